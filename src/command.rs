@@ -1,0 +1,88 @@
+//! What a rig asks of the twin, and what became of it.
+
+use serde::{Deserialize, Serialize};
+
+use crate::wall;
+
+/// A point in time as ROS 2 writes it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Stamp {
+    /// Whole seconds.
+    pub sec: i32,
+    /// Nanoseconds within the second.
+    pub nanosec: u32,
+}
+
+impl Stamp {
+    /// The stamp `seconds` after zero, rounded to a nanosecond and clamped to the range of the type.
+    #[must_use]
+    pub fn from_seconds(seconds: f64) -> Self {
+        let nanos = (seconds * 1e9).round() as i64;
+        let sec = nanos.div_euclid(1_000_000_000).clamp(i64::from(i32::MIN), i64::from(i32::MAX));
+        Self { sec: sec as i32, nanosec: nanos.rem_euclid(1_000_000_000) as u32 }
+    }
+
+    /// Seconds since zero.
+    #[must_use]
+    pub fn seconds(self) -> f64 {
+        f64::from(self.sec) + f64::from(self.nanosec) * 1e-9
+    }
+
+    /// Nanoseconds since zero.
+    #[must_use]
+    pub fn nanoseconds(self) -> i64 {
+        i64::from(self.sec) * 1_000_000_000 + i64::from(self.nanosec)
+    }
+}
+
+/// How a command's displacement is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(u8)]
+pub enum Mode {
+    /// Since the start of the run.
+    Absolute = 0,
+    /// On top of the last accepted target.
+    Increment = 1,
+}
+
+/// One boundary command.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Command {
+    /// When the rig measured or issued it.
+    pub stamp: Stamp,
+    /// A new session restarts the sequence.
+    pub session: String,
+    /// Increases by one within a session.
+    pub sequence: u64,
+    /// Absolute or incremental.
+    pub mode: Mode,
+    /// Inward displacement of each wall \[m\].
+    pub displacement: [f64; wall::COUNT],
+}
+
+/// What became of a command; the numbers are those of `graintwin_msgs/Report`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+#[repr(u8)]
+pub enum Disposition {
+    /// The walls moved as asked.
+    Applied = 0,
+    /// The walls moved up to a limit.
+    Clamped = 1,
+    /// The command was served before; its report is repeated.
+    Duplicate = 2,
+    /// Too old.
+    Stale = 3,
+    /// Commands before it are missing.
+    Gap = 4,
+    /// Older than one already served.
+    OutOfOrder = 5,
+    /// Beyond a limit of travel, rate, strain or force.
+    Limit = 6,
+    /// Not a command: NaN, infinite, unknown mode.
+    Invalid = 7,
+    /// No equilibrium was found; the twin is back at the last one.
+    NotConverged = 8,
+    /// The twin is on hold.
+    Held = 9,
+}

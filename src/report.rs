@@ -1,0 +1,170 @@
+//! What one increment says: the answers of the twin, in SI units, compression positive.
+
+use serde::Serialize;
+
+use crate::command::{Disposition, Stamp};
+use crate::wall;
+
+/// Which measures somebody wants; what is not wanted is not computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Demand {
+    /// Stresses, porosity, coordination, energies: [`PackState`].
+    pub state: bool,
+    /// Secant moduli of the interval: [`Moduli`].
+    pub moduli: bool,
+    /// Every contact: [`ContactNetwork`].
+    pub contact_network: bool,
+}
+
+impl Demand {
+    /// Everything.
+    pub const ALL: Self = Self { state: true, moduli: true, contact_network: true };
+}
+
+/// What became of one command.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// Stamp of the command.
+    pub stamp: Stamp,
+    /// Session of the command.
+    pub session: String,
+    /// Sequence of the command.
+    pub sequence: u64,
+    /// The increment after the command: one more than before when it was served, else unchanged.
+    pub increment: u64,
+    /// What became of it.
+    pub disposition: Disposition,
+    /// Equilibria that were found on the way.
+    pub substeps: u32,
+    /// One sentence for a person; empty when there is nothing to say.
+    pub text: String,
+    /// The new state as measured; `None` when the walls did not move.
+    pub measures: Option<Measures>,
+}
+
+/// Measures of one equilibrium.
+#[derive(Clone, Debug)]
+pub struct Measures {
+    /// Stamp of the command served.
+    pub stamp: Stamp,
+    /// 0 for the initial equilibrium, then one more per command served.
+    pub increment: u64,
+    /// Forces on the walls.
+    pub walls: WallForces,
+    /// Present when [`Demand::state`] was set.
+    pub state: Option<PackState>,
+    /// Present when [`Demand::moduli`] was set.
+    pub moduli: Option<Moduli>,
+    /// Present when [`Demand::contact_network`] was set.
+    pub network: Option<ContactNetwork>,
+}
+
+/// Forces on the six walls.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct WallForces {
+    /// Normal force \[N\], never negative.
+    pub normal_force: [f64; wall::COUNT],
+    /// Inward displacement since the start of the run \[m\].
+    pub displacement: [f64; wall::COUNT],
+    /// Position along the wall's own axis \[m\].
+    pub position: [f64; wall::COUNT],
+    /// Force that the pack exerts on the wall \[N\].
+    pub force: [[f64; 3]; wall::COUNT],
+    /// Moment of these forces about the pack's centre \[N m\].
+    pub moment: [[f64; 3]; wall::COUNT],
+}
+
+/// The pack as a whole.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct PackState {
+    /// Engineering strain of the box since the start (T 2.10 with the sign of compression).
+    pub strain: [f64; 3],
+    /// Logarithmic strain of the box since the start.
+    pub natural_strain: [f64; 3],
+    /// Stress from the wall forces on the current areas \[Pa\], row major (T 2.11).
+    pub stress_walls: [f64; 9],
+    /// Love-Weber stress from the contacts \[Pa\], row major (T 2.13, halved as it must be).
+    pub stress_contacts: [f64; 9],
+    /// Trace of the wall stress over three \[Pa\].
+    pub confining_stress: f64,
+    /// Axial stress (z) minus the mean of the other two \[Pa\].
+    pub deviatoric_stress: f64,
+    /// Pore volume over total volume (T 2.19).
+    pub porosity: f64,
+    /// (2 grain-grain + grain-wall contacts) / grains.
+    pub coordination_number: f64,
+    /// Sliding contacts over all contacts.
+    pub sliding_ratio: f64,
+    /// Elastic and gravitational energy \[J\].
+    pub stored_energy: f64,
+    /// Work of the walls since the start, trapezoidal over the equilibria \[J\].
+    pub wall_work: f64,
+    /// Energy lost in events and sliding since the start \[J\].
+    pub dissipated_energy: f64,
+    /// Load-carrying contacts.
+    pub contacts: u32,
+    /// Grains that carry no load.
+    pub rattlers: u32,
+    /// Newton steps of the increment.
+    pub iterations: u32,
+    /// Residual of the equilibrium, relative to the mean contact force.
+    pub residual: f64,
+    /// Wall-clock time of the increment \[s\].
+    pub solve_seconds: f64,
+    /// Whether the residual is below the tolerance.
+    pub converged: bool,
+}
+
+/// Elastic moduli \[Pa\]; NaN where the path cannot tell one.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Moduli {
+    /// Whether at least one modulus is known.
+    pub valid: bool,
+    /// Bulk modulus K.
+    pub bulk: f64,
+    /// Shear modulus G.
+    pub shear: f64,
+    /// Young's modulus E.
+    pub young: f64,
+    /// Poisson's ratio ν \[1\].
+    pub poisson: f64,
+    /// Lamé's first parameter λ.
+    pub lame: f64,
+    /// P-wave modulus K + 4/3 G.
+    pub p_wave: f64,
+    /// dσ_l/dε_m over xx, yy, zz, row major; NaN when not asked for.
+    pub tangent: [f64; 9],
+    /// Compressional wave speed (T 2.20a) \[m/s\].
+    pub p_speed: f64,
+    /// Shear wave speed (T 2.20b) \[m/s\].
+    pub s_speed: f64,
+}
+
+/// A contact's state as `graintwin_msgs/ContactNetwork` numbers it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum ContactState {
+    /// Carries its load without slipping.
+    Stick = 0,
+    /// Slides at the Coulomb limit.
+    Slide = 1,
+}
+
+/// Every load-carrying contact, sorted by (first, second).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ContactNetwork {
+    /// Grain index in the order of the pack file.
+    pub first: Vec<u32>,
+    /// Grain index, or `u32::MAX - w` for wall w.
+    pub second: Vec<u32>,
+    /// Unit normal from second to first, three numbers a contact.
+    pub normal: Vec<f64>,
+    /// Normal force \[N\].
+    pub normal_force: Vec<f64>,
+    /// Tangential force on `first` \[N\], three numbers a contact.
+    pub tangential_force: Vec<f64>,
+    /// Overlap h \[m\].
+    pub overlap: Vec<f64>,
+    /// [`ContactState`] as a number.
+    pub state: Vec<u8>,
+}
