@@ -2,9 +2,16 @@
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 pub mod command;
+pub mod contact;
+pub mod model;
 pub mod pack;
+pub mod relax;
 pub mod report;
 pub mod scene;
 pub mod sink;
+pub mod state;
 pub mod twin;
 pub mod wall;
+
+/// A vector in space.
+pub type Vec3 = nalgebra::Vector3<f64>;
