@@ -2,6 +2,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 pub mod command;
+pub mod msg;
 pub mod pack;
 pub mod report;
 pub mod scene;
