@@ -3,7 +3,9 @@
 
 pub mod command;
 pub mod contact;
+pub mod measure;
 pub mod model;
+pub mod msg;
 pub mod pack;
 pub mod relax;
 pub mod report;

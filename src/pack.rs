@@ -1,5 +1,8 @@
 //! The specimen: grains with their properties, and the box they are in.
 
+pub mod generate;
+pub mod properties;
+
 use crate::wall::Bounds;
 
 /// One grain's constants and position.

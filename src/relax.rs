@@ -1,5 +1,6 @@
 //! Relaxation to static equilibrium: the minimum of the potential energy (T 2.5, A.2).
 
+pub mod advance;
 pub mod balance;
 pub mod fire;
 pub mod linear;
@@ -56,6 +57,12 @@ pub struct Outcome {
     pub sums: Sums,
 }
 
+impl Outcome {
+    /// Before the first relaxation.
+    pub const NONE: Self =
+        Self { status: Status::Unjammed, residual: 0.0, iterations: 0, sums: Sums::NONE };
+}
+
 /// Scratch that may be thrown away at any time.
 #[derive(Clone, Debug)]
 pub struct Workspace {
@@ -92,7 +99,13 @@ impl Workspace {
     }
 
     /// Evaluates the balance of the grains in `carries`.
-    pub fn evaluate(&mut self, model: &Model, position: &[Vec3], carries: &[bool], bounds: &Bounds) {
+    pub fn evaluate(
+        &mut self,
+        model: &Model,
+        position: &[Vec3],
+        carries: &[bool],
+        bounds: &Bounds,
+    ) {
         self.neighbours.refresh(model, position, bounds);
         self.balance.evaluate(&Configuration {
             model,
@@ -112,8 +125,12 @@ pub fn relax(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome 
     for round in 0.. {
         let solved = newton::solve(model, state, work);
         iterations += solved.iterations;
-        let outcome =
-            |status| Outcome { status, residual: solved.residual, iterations, sums: work.balance.sums };
+        let outcome = |status| Outcome {
+            status,
+            residual: solved.residual,
+            iterations,
+            sums: work.balance.sums,
+        };
         if !solved.status.is_equilibrium() {
             return outcome(solved.status);
         }

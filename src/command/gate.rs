@@ -25,6 +25,8 @@ pub enum Decision {
 #[derive(Clone, Debug)]
 pub struct Gate {
     start: Bounds,
+    /// Age beyond which a command is refused \[s\]; 0 = never.
+    stale_after: f64,
     /// Session and sequence of the last command that reached the walls.
     last: Option<(String, u64)>,
     /// Last accepted target \[m\].
@@ -34,10 +36,11 @@ pub struct Gate {
 }
 
 impl Gate {
-    /// A gate for walls that start at `start`.
+    /// A gate for walls that start at `start`; commands older than `stale_after` s are refused
+    /// unless that is 0.
     #[must_use]
-    pub fn new(start: Bounds) -> Self {
-        Self { start, last: None, target: [0.0; wall::COUNT], report: None }
+    pub fn new(start: Bounds, stale_after: f64) -> Self {
+        Self { start, stale_after, last: None, target: [0.0; wall::COUNT], report: None }
     }
 
     /// Decides on `command`.
@@ -45,6 +48,9 @@ impl Gate {
     pub fn decide(&self, command: &Command) -> Decision {
         if let Some(text) = malformed(command) {
             return Decision::Refuse(Disposition::Invalid, text);
+        }
+        if let Some(text) = self.stale(command) {
+            return Decision::Refuse(Disposition::Stale, text);
         }
         let mut text = String::new();
         if let Some((session, last)) = &self.last
@@ -71,15 +77,25 @@ impl Gate {
             }
         }
         let target: [f64; wall::COUNT] = match command.mode {
-            Mode::Increment => {
-                std::array::from_fn(|w| self.target[w] + command.displacement[w])
-            }
+            Mode::Increment => std::array::from_fn(|w| self.target[w] + command.displacement[w]),
             Mode::Absolute | Mode::Unknown(_) => command.displacement,
         };
         match self.beyond_travel(&target) {
             Some(text) => Decision::Refuse(Disposition::Limit, text),
             None => Decision::Serve(target, text),
         }
+    }
+
+    /// Why the command is too old; what was served before is repeated at any age.
+    fn stale(&self, command: &Command) -> Option<String> {
+        let served = self
+            .last
+            .as_ref()
+            .is_some_and(|last| last.0 == command.session && last.1 >= command.sequence);
+        let age = command.age?;
+        (self.stale_after > 0.0 && age > self.stale_after && !served).then(|| {
+            format!("{age:.3} s old: at most {} s are allowed (node.stale_after)", self.stale_after)
+        })
     }
 
     /// Why the walls cannot go to `target`.
@@ -102,7 +118,12 @@ impl Gate {
     }
 
     /// Remembers a command that reached the walls; `target` when they moved there.
-    pub fn served(&mut self, command: &Command, target: Option<[f64; wall::COUNT]>, report: &Report) {
+    pub fn served(
+        &mut self,
+        command: &Command,
+        target: Option<[f64; wall::COUNT]>,
+        report: &Report,
+    ) {
         self.last = Some((command.session.clone(), command.sequence));
         self.target = target.unwrap_or(self.target);
         self.report = Some(Report { measures: None, ..report.clone() });

@@ -196,9 +196,8 @@ impl Cells {
     /// Calls `visit` with every grain in the cells around `at`, in a fixed order.
     fn for_each_near(&self, at: &Vec3, mut visit: impl FnMut(u32)) {
         let cell = self.cell(at);
-        let span = |axis: usize| {
-            cell[axis].saturating_sub(1)..(cell[axis] + 2).min(self.count[axis])
-        };
+        let span =
+            |axis: usize| cell[axis].saturating_sub(1)..(cell[axis] + 2).min(self.count[axis]);
         for z in span(2) {
             for y in span(1) {
                 let x = span(0);

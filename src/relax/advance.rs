@@ -41,10 +41,9 @@ pub fn advance(
     let mut so_far = Advance { outcome: here, substeps: 0, iterations: 0 };
     let mut forces = wall_forces(model, state, work);
     while state.displacement != *target || so_far.substeps == 0 {
-        let parts = (remaining_strain(model, state, target)
-            / strain_limit(model, &so_far.outcome))
-        .ceil()
-        .max(1.0);
+        let parts = (remaining_strain(model, state, target) / strain_limit(model, &so_far.outcome))
+            .ceil()
+            .max(1.0);
         let mut share = 1.0 / parts;
         last.copy_from(state);
         for attempt in 0.. {
@@ -103,7 +102,7 @@ fn strain_limit(model: &Model, here: &Outcome) -> f64 {
 }
 
 /// Moves the walls by `share` of what is left to `target`, and the grains affinely with them.
-fn move_walls(model: &Model, state: &mut State, target: &[f64; wall::COUNT], share: f64) {
+pub fn move_walls(model: &Model, state: &mut State, target: &[f64; wall::COUNT], share: f64) {
     let before = state.bounds(model);
     for (now, target) in state.displacement.iter_mut().zip(target) {
         *now = if share >= 1.0 { *target } else { *now + share * (target - *now) };

@@ -38,6 +38,10 @@ pub struct Sums {
 }
 
 impl Sums {
+    /// Of no contact.
+    pub const NONE: Self =
+        Self { energy: 0.0, force: 0.0, overlap: 0.0, bending: 0.0, contacts: 0 };
+
     /// Mean normal force \[N\]; 0 without contacts.
     #[must_use]
     pub fn mean_force(&self) -> f64 {

@@ -125,7 +125,7 @@ impl Linear {
             }
             self.multiply();
             let curvature = dot(&self.direction, &self.w);
-            if !(curvature > 0.0) {
+            if curvature <= 0.0 || curvature.is_nan() {
                 return Inner::NegativeCurvature;
             }
             let alpha = (rho / curvature) as f32;

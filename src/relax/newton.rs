@@ -89,9 +89,9 @@ fn step(
     let sums = work.balance.sums;
     let unit = largest / work.reference_stiffness;
     // Without contacts (grains that fall) any positive stiffness will do.
-    let bending =
-        (2.0 * sums.bending / (model.len() as f64 * work.reference_stiffness)).max(1e-9);
-    let cap = STEP_CAP * if sums.contacts > 0 { sums.mean_overlap() } else { 0.1 * model.mean_radius };
+    let bending = (2.0 * sums.bending / (model.len() as f64 * work.reference_stiffness)).max(1e-9);
+    let cap =
+        STEP_CAP * if sums.contacts > 0 { sums.mean_overlap() } else { 0.1 * model.mean_radius };
     while shift.is_finite() && *shift < 1e9 {
         work.linear.factorise((*shift * bending) as f32);
         let inner = work.linear.solve(&work.balance.gradient, largest, forcing, MOST_PRODUCTS);

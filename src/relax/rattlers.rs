@@ -38,7 +38,9 @@ impl Rattlers {
         self.start.resize(n + 1, 0);
         let pairs = || {
             (0..n).flat_map(|i| {
-                neighbours.row(i).map(move |k| (i, neighbours.second[k] as usize, neighbours.modulus[k]))
+                neighbours
+                    .row(i)
+                    .map(move |k| (i, neighbours.second[k] as usize, neighbours.modulus[k]))
             })
         };
         for (i, j, _) in pairs().filter(|&(i, j, _)| keep(i, j)) {
@@ -79,9 +81,9 @@ pub fn find(model: &Model, state: &mut State, work: &mut Workspace) {
     let Workspace { neighbours, rattlers, .. } = work;
     let least = FAINT * mean_overlap(model, position, &bounds, neighbours);
     rattlers.list(neighbours, n, |i, j| overlap(model, position, i, j) > least);
-    for i in 0..n {
+    for (i, at) in position.iter().enumerate() {
         for &wall in neighbours.walls_near(i) {
-            let gap = wall_gap(&position[i], usize::from(wall), &bounds);
+            let gap = wall_gap(at, usize::from(wall), &bounds);
             rattlers.degree[i] += u32::from(model.radius[i] - gap > least);
         }
     }
@@ -233,12 +235,8 @@ impl Site<'_> {
 
     fn local(&self, position: &[Vec3], at: &Vec3) -> Local {
         let radius = self.model.radius[self.grain];
-        let mut local = Local {
-            energy: 0.0,
-            gradient: Vec3::zeros(),
-            hessian: Matrix3::zeros(),
-            force: 0.0,
-        };
+        let mut local =
+            Local { energy: 0.0, gradient: Vec3::zeros(), hessian: Matrix3::zeros(), force: 0.0 };
         for &(j, modulus) in self.rattlers.row(self.grain) {
             let branch = at - position[j as usize];
             let distance = branch.norm();
@@ -272,8 +270,9 @@ impl Local {
         self.energy += hertz::energy(force, overlap);
         self.gradient -= normal * force;
         self.force = self.force.max(force);
-        self.hessian += normal * normal.transpose() * (hertz::stiffness(modulus, overlap) + bending)
-            - Matrix3::identity() * bending;
+        self.hessian +=
+            normal * normal.transpose() * (hertz::stiffness(modulus, overlap) + bending)
+                - Matrix3::identity() * bending;
     }
 
     /// A step downhill, no longer than `longest`. One and a half Newton steps open a Hertz

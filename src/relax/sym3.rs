@@ -2,19 +2,19 @@
 
 /// xx, yy, zz, xy, xz, yz.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sym3([f32; 6]);
+pub(super) struct Sym3([f32; 6]);
 
 impl Sym3 {
     /// A diagonal block.
     #[must_use]
-    pub fn diagonal(d: [f32; 3]) -> Self {
+    pub(super) fn diagonal(d: [f32; 3]) -> Self {
         Self([d[0], d[1], d[2], 0.0, 0.0, 0.0])
     }
 
     /// m mᵀ - b I.
     #[must_use]
     #[inline(always)]
-    pub fn outer_minus(m: [f32; 3], b: f32) -> Self {
+    pub(super) fn outer_minus(m: [f32; 3], b: f32) -> Self {
         Self([
             m[0] * m[0] - b,
             m[1] * m[1] - b,
@@ -27,20 +27,20 @@ impl Sym3 {
 
     /// Trace.
     #[must_use]
-    pub fn trace(&self) -> f32 {
+    pub(super) fn trace(&self) -> f32 {
         self.0[0] + self.0[1] + self.0[2]
     }
 
     /// self + s I.
     #[must_use]
-    pub fn shifted(&self, s: f32) -> Self {
+    pub(super) fn shifted(&self, s: f32) -> Self {
         let a = &self.0;
         Self([a[0] + s, a[1] + s, a[2] + s, a[3], a[4], a[5]])
     }
 
     /// self += other.
     #[inline(always)]
-    pub fn add(&mut self, other: &Self) {
+    pub(super) fn add(&mut self, other: &Self) {
         for k in 0..6 {
             self.0[k] += other.0[k];
         }
@@ -48,14 +48,14 @@ impl Sym3 {
 
     /// 2 self - other.
     #[must_use]
-    pub fn twice_minus(&self, other: &Self) -> Self {
+    pub(super) fn twice_minus(&self, other: &Self) -> Self {
         Self(std::array::from_fn(|k| 2.0 * self.0[k] - other.0[k]))
     }
 
     /// self v.
     #[must_use]
     #[inline(always)]
-    pub fn times(&self, v: &[f32; 4]) -> [f32; 4] {
+    pub(super) fn times(&self, v: &[f32; 4]) -> [f32; 4] {
         let a = &self.0;
         [
             a[0] * v[0] + a[3] * v[1] + a[4] * v[2],
@@ -67,7 +67,7 @@ impl Sym3 {
 
     /// self -= K A K for K = m mᵀ - b I: (mᵀAm) m mᵀ - b (m (Am)ᵀ + (Am) mᵀ) + b² A.
     #[inline(always)]
-    pub fn subtract_product(&mut self, m: [f32; 3], b: f32, a: &Self) {
+    pub(super) fn subtract_product(&mut self, m: [f32; 3], b: f32, a: &Self) {
         let am = a.times(&[m[0], m[1], m[2], 0.0]);
         let mam = m[0] * am[0] + m[1] * am[1] + m[2] * am[2];
         for (k, (i, j)) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].into_iter().enumerate()
@@ -80,7 +80,7 @@ impl Sym3 {
     /// This block and its inverse; when a pivot of L D Lᵀ is below `floor` the diagonal is lifted
     /// first, so that the block is positive definite.
     #[must_use]
-    pub fn inverse_lifted(&self, floor: f32) -> (Self, Self) {
+    pub(super) fn inverse_lifted(&self, floor: f32) -> (Self, Self) {
         let mut lifted = *self;
         let mut lift = floor;
         loop {

@@ -1,0 +1,20 @@
+//! The messages as they go over ROS 2 and into recordings.
+//!
+//! The texts under `msgs/graintwin_msgs/` are the definition; the structs here have the same
+//! fields in the same order, which a test holds against the texts, and their schemas are those
+//! very texts. Of the standard messages only a handful are needed, so they are written out in
+//! [`standard`]: the generated crates for them hold thousands of types, and tie a build without
+//! DDS to their choice of it.
+
+pub mod convert;
+pub mod graintwin;
+pub mod schema;
+pub mod standard;
+pub mod topics;
+
+pub use graintwin::{
+    BoundaryCommand, ContactNetwork, Event, Moduli, PackState, Report, WallForces,
+};
+pub use schema::{Described, MessageType};
+pub use standard::{Header, JointState, Time, Vector3, Wrench, WrenchStamped};
+pub use topics::Topic;

@@ -1,0 +1,198 @@
+//! From the twin's commands and reports to messages, and back for commands.
+
+use super::topics::{PACK_FRAME, wall_frame};
+use super::{
+    BoundaryCommand, ContactNetwork, Header, JointState, Moduli, PackState, Report, Time,
+    WallForces, Wrench, WrenchStamped,
+};
+use crate::command::{Command, Stamp};
+use crate::report::{self, Measures};
+use crate::wall;
+
+/// Most contacts in one live [`ContactNetwork`]: 56 KB, what one sample can carry without
+/// losses over a stock receive buffer.
+pub const LIVE_CHUNK: usize = 700;
+
+impl From<Stamp> for Time {
+    fn from(stamp: Stamp) -> Self {
+        Self { sec: stamp.sec, nanosec: stamp.nanosec }
+    }
+}
+
+impl From<Time> for Stamp {
+    fn from(time: Time) -> Self {
+        Self { sec: time.sec, nanosec: time.nanosec }
+    }
+}
+
+impl From<&Command> for BoundaryCommand {
+    fn from(command: &Command) -> Self {
+        Self {
+            header: pack_header(command.stamp),
+            session: command.session.clone(),
+            sequence: command.sequence,
+            mode: command.mode.into(),
+            displacement: command.displacement,
+        }
+    }
+}
+
+/// A command whose age nobody has measured yet.
+impl From<BoundaryCommand> for Command {
+    fn from(message: BoundaryCommand) -> Self {
+        Self {
+            stamp: message.header.stamp.into(),
+            session: message.session,
+            sequence: message.sequence,
+            mode: message.mode.into(),
+            displacement: message.displacement,
+            age: None,
+        }
+    }
+}
+
+impl From<&report::Report> for Report {
+    fn from(report: &report::Report) -> Self {
+        Self {
+            header: pack_header(report.stamp),
+            session: report.session.clone(),
+            sequence: report.sequence,
+            increment: report.increment,
+            disposition: report.disposition as u8,
+            substeps: report.substeps,
+            text: report.text.clone(),
+        }
+    }
+}
+
+/// The forces on all walls.
+#[must_use]
+pub fn wall_forces(measures: &Measures) -> WallForces {
+    let walls = &measures.walls;
+    WallForces {
+        header: pack_header(measures.stamp),
+        increment: measures.increment,
+        normal_force: walls.normal_force,
+        displacement: walls.displacement,
+        force: walls.force.map(Into::into),
+        moment: walls.moment.map(Into::into),
+    }
+}
+
+/// The force on wall `wall` and its moment about the wall's centre, as a load cell in the frame
+/// of the wall would show them.
+#[must_use]
+pub fn wall_wrench(measures: &Measures, wall: usize) -> WrenchStamped {
+    let walls = &measures.walls;
+    let force = walls.force[wall];
+    let axis = wall::axis(wall);
+    let middle = 0.5 * (walls.position[2 * axis] + walls.position[2 * axis + 1]);
+    let mut lever = [0.0; 3];
+    lever[axis] = walls.position[wall] - middle;
+    let shift = cross(lever, force);
+    let torque = std::array::from_fn::<_, 3, _>(|i| walls.moment[wall][i] - shift[i]);
+    WrenchStamped {
+        header: Header { stamp: measures.stamp.into(), frame_id: wall_frame(wall) },
+        wrench: Wrench { force: force.into(), torque: torque.into() },
+    }
+}
+
+/// The walls as the joints of a machine: position is the inward displacement, effort the normal
+/// force.
+#[must_use]
+pub fn wall_states(measures: &Measures) -> JointState {
+    JointState {
+        header: pack_header(measures.stamp),
+        name: wall::NAMES.map(str::to_owned).to_vec(),
+        position: measures.walls.displacement.to_vec(),
+        velocity: Vec::new(),
+        effort: measures.walls.normal_force.to_vec(),
+    }
+}
+
+/// The pack as a whole, when it was asked for.
+#[must_use]
+pub fn pack_state(measures: &Measures) -> Option<PackState> {
+    measures.state.as_ref().map(|state| PackState {
+        header: pack_header(measures.stamp),
+        increment: measures.increment,
+        strain: state.strain,
+        stress_walls: state.stress_walls,
+        stress_contacts: state.stress_contacts,
+        confining_stress: state.confining_stress,
+        deviatoric_stress: state.deviatoric_stress,
+        porosity: state.porosity,
+        coordination_number: state.coordination_number,
+        sliding_ratio: state.sliding_ratio,
+        stored_energy: state.stored_energy,
+        dissipated_energy: state.dissipated_energy,
+        contacts: state.contacts,
+        rattlers: state.rattlers,
+        iterations: state.iterations,
+        residual: state.residual,
+        solve_seconds: state.solve_seconds,
+        converged: state.converged,
+    })
+}
+
+/// The moduli, when they were asked for.
+#[must_use]
+pub fn moduli(measures: &Measures) -> Option<Moduli> {
+    measures.moduli.as_ref().map(|moduli| Moduli {
+        header: pack_header(measures.stamp),
+        increment: measures.increment,
+        valid: moduli.valid,
+        bulk: moduli.bulk,
+        shear: moduli.shear,
+        young: moduli.young,
+        poisson: moduli.poisson,
+        lame: moduli.lame,
+        p_wave: moduli.p_wave,
+        tangent: moduli.tangent,
+    })
+}
+
+/// The contact network in one message, as recordings hold it; `None` when it was not asked for.
+#[must_use]
+pub fn whole_network(measures: &Measures) -> Option<ContactNetwork> {
+    let network = measures.network.as_ref()?;
+    network_chunks(measures, network.first.len()).next()
+}
+
+/// The contact network in messages of at most `most` contacts each; one empty message when there
+/// is no contact, none when the network was not asked for.
+pub fn network_chunks(
+    measures: &Measures,
+    most: usize,
+) -> impl Iterator<Item = ContactNetwork> + '_ {
+    measures.network.iter().flat_map(move |network| {
+        let contacts = network.first.len();
+        let most = most.max(1);
+        let chunks = contacts.div_ceil(most).max(1);
+        (0..chunks).map(move |chunk| {
+            let range = chunk * most..((chunk + 1) * most).min(contacts);
+            let triples = 3 * range.start..3 * range.end;
+            ContactNetwork {
+                header: pack_header(measures.stamp),
+                increment: measures.increment,
+                chunk: chunk as u32,
+                chunk_count: chunks as u32,
+                first: network.first[range.clone()].to_vec(),
+                second: network.second[range.clone()].to_vec(),
+                normal: network.normal[triples.clone()].to_vec(),
+                normal_force: network.normal_force[range.clone()].to_vec(),
+                tangential_force: network.tangential_force[triples].to_vec(),
+                overlap: network.overlap[range.clone()].to_vec(),
+                state: network.state[range].to_vec(),
+            }
+        })
+    })
+}
+
+fn pack_header(stamp: Stamp) -> Header {
+    Header { stamp: stamp.into(), frame_id: PACK_FRAME.to_owned() }
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}

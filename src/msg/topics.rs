@@ -1,0 +1,113 @@
+//! The topics of the node and of its recordings: name, type and quality of service.
+
+use super::schema::{Described, MessageType};
+use super::{
+    BoundaryCommand, ContactNetwork, JointState, Moduli, PackState, Report, WallForces,
+    WrenchStamped,
+};
+use crate::wall;
+
+/// Name of the node when nobody renames it; recordings are made under this name.
+pub const NODE: &str = "graintwin";
+
+/// Frame of everything that concerns the whole pack.
+pub const PACK_FRAME: &str = "pack";
+
+/// Frame of wall `wall`, `wall_x_min` and so on: axes as the pack's, origin at the wall's centre.
+#[must_use]
+pub fn wall_frame(wall: usize) -> String {
+    format!("wall_{}", wall::NAMES[wall])
+}
+
+/// Whether a lost sample is sent again. Everything here is reliable; a best-effort subscriber
+/// may still listen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reliability {
+    /// Until it is acknowledged.
+    Reliable,
+}
+
+/// Whether a late subscriber gets what was published before it came.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Durability {
+    /// It does not.
+    Volatile,
+    /// It gets the last samples.
+    TransientLocal,
+}
+
+/// Quality of service; the history is always keep-last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Qos {
+    /// Reliability.
+    pub reliability: Reliability,
+    /// Durability.
+    pub durability: Durability,
+    /// Samples kept.
+    pub depth: u32,
+}
+
+/// A topic.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Topic {
+    /// Name under the node's own, as `wall_forces`.
+    pub name: &'static str,
+    /// Type of its messages.
+    pub kind: &'static MessageType,
+    /// Quality of service.
+    pub qos: Qos,
+}
+
+impl Topic {
+    const fn new(name: &'static str, kind: &'static MessageType, depth: u32) -> Self {
+        let qos =
+            Qos { reliability: Reliability::Reliable, durability: Durability::Volatile, depth };
+        Self { name, kind, qos }
+    }
+
+    const fn latched(mut self) -> Self {
+        self.qos.durability = Durability::TransientLocal;
+        self
+    }
+
+    /// The name in a recording: `/graintwin/wall_forces`.
+    #[must_use]
+    pub fn recorded_name(&self) -> String {
+        format!("/{NODE}/{}", self.name)
+    }
+}
+
+/// In: [`BoundaryCommand`]; deep enough for the largest burst, since a subscriber of unlimited
+/// depth loses samples.
+pub static BOUNDARY_COMMAND: Topic = Topic::new("boundary_command", BoundaryCommand::TYPE, 20_000);
+/// Out: [`Report`].
+pub static REPORT: Topic = Topic::new("report", Report::TYPE, 256);
+/// Out: [`WallForces`].
+pub static WALL_FORCES: Topic = Topic::new("wall_forces", WallForces::TYPE, 64);
+/// Out: [`WrenchStamped`], one topic a wall.
+pub static WALL_WRENCH: [Topic; wall::COUNT] = [
+    Topic::new("wall/x_min/wrench", WrenchStamped::TYPE, 64),
+    Topic::new("wall/x_max/wrench", WrenchStamped::TYPE, 64),
+    Topic::new("wall/y_min/wrench", WrenchStamped::TYPE, 64),
+    Topic::new("wall/y_max/wrench", WrenchStamped::TYPE, 64),
+    Topic::new("wall/z_min/wrench", WrenchStamped::TYPE, 64),
+    Topic::new("wall/z_max/wrench", WrenchStamped::TYPE, 64),
+];
+/// Out: [`JointState`] with the walls as joints.
+pub static WALL_STATES: Topic = Topic::new("wall_states", JointState::TYPE, 64);
+/// Out: [`PackState`].
+pub static STATE: Topic = Topic::new("state", PackState::TYPE, 64);
+/// Out: [`Moduli`], kept for whoever comes later.
+pub static MODULI: Topic = Topic::new("moduli", Moduli::TYPE, 1).latched();
+/// Out: [`ContactNetwork`].
+pub static CONTACT_NETWORK: Topic = Topic::new("contact_network", ContactNetwork::TYPE, 64);
+
+/// Every topic, commands first.
+pub fn all() -> impl Iterator<Item = &'static Topic> {
+    [&BOUNDARY_COMMAND, &REPORT, &WALL_FORCES].into_iter().chain(&WALL_WRENCH).chain([
+        &WALL_STATES,
+        &STATE,
+        &MODULI,
+        &CONTACT_NETWORK,
+    ])
+}
