@@ -12,6 +12,7 @@ pub mod report;
 pub mod scene;
 pub mod sink;
 pub mod state;
+pub mod table;
 pub mod twin;
 pub mod wall;
 
