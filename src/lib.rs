@@ -7,6 +7,7 @@ pub mod measure;
 pub mod model;
 pub mod msg;
 pub mod pack;
+pub mod path;
 pub mod relax;
 pub mod report;
 pub mod scene;
