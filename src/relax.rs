@@ -74,6 +74,8 @@ pub struct Workspace {
     pub linear: Linear,
     /// Stiffness that single precision is scaled by \[N/m\].
     pub reference_stiffness: f64,
+    /// Newton steps longer than this many mean overlaps are shortened by a shift of the Hessian.
+    pub step_cap: f64,
     trial: Vec<Vec3>,
     trial_balance: Balance,
     rattlers: Rattlers,
@@ -91,6 +93,7 @@ impl Workspace {
             balance: Balance::default(),
             linear: Linear::default(),
             reference_stiffness: hertz::stiffness(modulus, 1e-2 * model.mean_radius),
+            step_cap: 1.0,
             trial: Vec::with_capacity(model.len()),
             trial_balance: Balance::default(),
             rattlers: Rattlers::default(),

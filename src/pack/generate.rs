@@ -2,20 +2,20 @@
 //! isotropic stress (T 2.7.2, HZ-14, HZ-15).
 //!
 //! The thesis starts from a settled sediment of another code; here the loose state is random
-//! points in a box a little too small for them, quenched by an inertial descent. From there the
-//! box follows p^(2/3), which is nearly linear in strain, to the stress asked for.
+//! points in a box a little too small for them. They are pushed apart, and then grains and box
+//! descend together to the equilibrium at the stress asked for.
 
-use nalgebra::{Matrix3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use crate::Vec3;
 use crate::contact::hertz;
 use crate::measure::contacts::Contacts;
-use crate::measure::{coordination, stress, walls};
+use crate::measure::coordination;
 use crate::model::{Model, sphere_volume};
 use crate::pack::{Grain, Pack, properties};
-use crate::relax::{Status, Workspace, fire, relax};
+use crate::relax::fire::{self, Goal};
+use crate::relax::{Outcome, Status, Workspace, relax};
 use crate::scene::{Generate, Material, Solver, Walls};
 use crate::state::State;
 use crate::wall::Bounds;
@@ -28,45 +28,34 @@ const WALL_LAYER: f64 = 0.095;
 const QUENCH_STRAIN: f64 = 0.006;
 /// Mean contact force over stress and squared mean radius in a jammed pack.
 const FORCE_PER_STRESS: f64 = 3.4;
-/// Residual and most steps of the quench.
-const QUENCH: (f64, u32) = (1e-2, 20_000);
-/// Residual while the box still moves.
-const ROUGH: f64 = 1e-5;
+/// Residual to which the scattered grains are pushed apart before the box may move.
+const APART: f64 = 0.2;
+/// Residuals of the descents under pressure, one after the other until the stress is right.
+const DESCENTS: [f64; 4] = [1e-3, 3e-4, 1e-4, 3e-5];
+/// Most steps of a descent.
+const MOST_STEPS: u32 = 100_000;
+/// Longest Newton step over the mean overlap: the way to the minimum does not matter here.
+const BOLD_STEP: f64 = 10.0;
 /// Deviation of each normal stress from the one asked for.
 const STRESS_TOLERANCE: f64 = 1e-3;
-/// Moves of the box.
-const MOST_MOVES: u32 = 60;
-/// Largest change of the overlap strain in one move, as a share of it.
-const LARGEST_MOVE: f64 = 0.7;
 /// Contacts of a stable grain and their least overlap over the mean radius (T 2.7.2).
 const STABLE: (usize, f64) = (4, 1e-5);
 
 /// Why a pack could not be made.
 #[derive(Debug, thiserror::Error)]
-pub enum GenerateError {
-    /// The box did not come to the stress asked for.
-    #[error(
-        "pack.generate: after {moves} moves of the box the stress is {found:.4e} Pa instead of \
-         {wanted:.4e} Pa; try another seed, more grains or a higher confining_stress"
-    )]
-    Stress {
-        /// Moves of the box.
-        moves: u32,
-        /// Mean stress reached \[Pa\].
-        found: f64,
-        /// Mean stress asked for \[Pa\].
-        wanted: f64,
-    },
-    /// The relaxation failed.
-    #[error("pack.generate: no equilibrium at {stress:.4e} Pa ({status:?}, residual {residual:.1e})")]
-    Relax {
-        /// Mean stress \[Pa\].
-        stress: f64,
-        /// How the relaxation ended.
-        status: Status,
-        /// Its residual.
-        residual: f64,
-    },
+#[error(
+    "pack.generate: no equilibrium at {wanted:.4e} Pa: stress {found:.4e} Pa, {status:?}, \
+     residual {residual:.1e}; try another seed, more grains or a higher confining_stress"
+)]
+pub struct GenerateError {
+    /// Mean stress asked for \[Pa\].
+    wanted: f64,
+    /// Mean stress reached \[Pa\].
+    found: f64,
+    /// How the last relaxation ended.
+    status: Status,
+    /// Its residual.
+    residual: f64,
 }
 
 /// Makes the pack of `spec`; `friction` is given to every grain, the relaxation is frictionless.
@@ -89,7 +78,7 @@ pub fn generate(
             Grain { position: [0.0; 3], radius, young, poisson, density, friction }
         })
         .collect();
-    let mut press = Press::new(scatter(spec, material, grains, &mut rng), walls, solver);
+    let mut press = Press::new(&scatter(spec, material, grains, &mut rng), walls, solver);
     press.quench();
     press.compact(spec.confining_stress)?;
     for _ in 0..spec.expand_floaters {
@@ -98,7 +87,7 @@ pub fn generate(
         }
         press.compact(spec.confining_stress)?;
     }
-    press.finish(solver)
+    Ok(press.pack())
 }
 
 /// Random points in a box in which the grains will be jammed.
@@ -132,17 +121,43 @@ struct Press {
 }
 
 impl Press {
-    fn new(pack: Pack, walls: &Walls, solver: Solver) -> Self {
-        let solver = Solver { tolerance: ROUGH.max(solver.tolerance), ..solver };
-        let model = Model::with(&pack, walls, [0.0; 3], solver, None);
-        Self { state: State::new(&model), work: Workspace::new(&model), walls: *walls, model }
+    fn new(pack: &Pack, walls: &Walls, solver: Solver) -> Self {
+        let model = Model::with(pack, walls, [0.0; 3], solver, None);
+        let work = Workspace::new(&model);
+        Self { state: State::new(&model), work, walls: *walls, model }
     }
 
-    /// Descends from wherever the grains are to a rough equilibrium.
+    /// Pushes the scattered grains apart.
     fn quench(&mut self) {
-        self.state.carries.fill(true);
-        fire::descend(&self.model, &mut self.state, &mut self.work, QUENCH.0, QUENCH.1);
+        self.descend(APART, None);
         self.resort();
+    }
+
+    fn descend(&mut self, residual: f64, pressure: Option<f64>) {
+        let goal = Goal { residual, pressure, steps: MOST_STEPS };
+        fire::descend(&self.model, &mut self.state, &mut self.work, goal);
+    }
+
+    /// Brings the pack to equilibrium with all three normal stresses at `target` \[Pa\].
+    fn compact(&mut self, target: f64) -> Result<(), GenerateError> {
+        let mut outcome = Outcome::NONE;
+        for residual in DESCENTS {
+            self.descend(residual, Some(target));
+            self.resort();
+            self.work.step_cap = BOLD_STEP;
+            outcome = relax(&self.model, &mut self.state, &mut self.work);
+            let miss = (self.stress() - Vec3::repeat(target)).amax();
+            if outcome.status == Status::Converged && miss <= STRESS_TOLERANCE * target {
+                return Ok(());
+            }
+        }
+        let Outcome { status, residual, .. } = outcome;
+        Err(GenerateError { wanted: target, found: self.stress().mean(), status, residual })
+    }
+
+    /// Normal stresses \[Pa\].
+    fn stress(&self) -> Vec3 {
+        Vec3::from(self.work.balance.sums.virial) / self.state.bounds(&self.model).volume()
     }
 
     /// Sorts the solver's order anew: the grains are no longer where they were scattered.
@@ -159,113 +174,6 @@ impl Press {
         }
         self.state = State::new(&self.model);
         self.work = Workspace::new(&self.model);
-    }
-
-    /// Relaxes; from where Newton's method fails an inertial descent leads on.
-    fn relax(&mut self) -> Result<(), GenerateError> {
-        let mut outcome = relax(&self.model, &mut self.state, &mut self.work);
-        for residual in [1e-2, 1e-3, 1e-4] {
-            if outcome.status.is_equilibrium() {
-                return Ok(());
-            }
-            self.state.carries.fill(true);
-            fire::descend(&self.model, &mut self.state, &mut self.work, residual, QUENCH.1);
-            outcome = relax(&self.model, &mut self.state, &mut self.work);
-        }
-        if outcome.status.is_equilibrium() {
-            return Ok(());
-        }
-        let crate::relax::Outcome { status, residual, .. } = outcome;
-        Err(GenerateError::Relax { stress: self.stress().mean(), status, residual })
-    }
-
-    /// Normal stresses \[Pa\] on the walls.
-    fn stress(&mut self) -> Vector3<f64> {
-        let bounds = self.state.bounds(&self.model);
-        self.work.neighbours.refresh(&self.model, &self.state.position, &bounds);
-        let contacts = Contacts::of(&self.model, &self.state, &self.work.neighbours);
-        let forces = walls::forces(&self.model, &self.state, &contacts.list);
-        stress::from_walls(&forces, &bounds).diagonal()
-    }
-
-    /// Strains the box, compression positive, and the grains with it.
-    fn strain(&mut self, strain: Vec3) -> Result<(), GenerateError> {
-        let before = self.state.bounds(&self.model);
-        let sides = before.sides();
-        let target: [f64; 6] = std::array::from_fn(|w| {
-            self.state.displacement[w] + 0.5 * strain[w / 2] * sides[w / 2]
-        });
-        crate::relax::advance::move_walls(&self.model, &mut self.state, &target, 1.0);
-        self.relax()
-    }
-
-    /// Brings all three normal stresses to `target` \[Pa\].
-    fn compact(&mut self, target: f64) -> Result<(), GenerateError> {
-        self.relax()?;
-        let mut now = self.stress();
-        // p^(2/3) = slope (strain - strain at jamming), so dp/dstrain = 3/2 slope p^(1/3).
-        let mut slope: Option<f64> = None;
-        let mut moves = 0;
-        while (now.mean() / target - 1.0).abs() > 0.02 {
-            moves += 1;
-            if moves > MOST_MOVES {
-                return Err(GenerateError::Stress { moves, found: now.mean(), wanted: target });
-            }
-            let (root, wanted) = (now.mean().powf(2.0 / 3.0), target.powf(2.0 / 3.0));
-            let overlap_strain =
-                self.work.balance.sums.mean_overlap() / (2.0 * self.model.mean_radius);
-            let move_by = if root == 0.0 {
-                QUENCH_STRAIN
-            } else {
-                let slope = slope.unwrap_or(root / overlap_strain);
-                let limit = LARGEST_MOVE * overlap_strain;
-                ((wanted - root) / slope).clamp(-limit, (2.0 * limit).max(1e-4))
-            };
-            self.strain(Vec3::repeat(move_by))?;
-            let then = now;
-            now = self.stress();
-            let risen = now.mean().powf(2.0 / 3.0) - then.mean().powf(2.0 / 3.0);
-            let new_slope = risen / move_by;
-            slope = (root > 0.0 && new_slope > 0.0).then_some(new_slope);
-        }
-        self.level(target, now, slope, moves)
-    }
-
-    /// Brings each normal stress to `target` by Broyden's method, from an isotropic guess.
-    fn level(
-        &mut self,
-        target: f64,
-        mut now: Vector3<f64>,
-        slope: Option<f64>,
-        mut moves: u32,
-    ) -> Result<(), GenerateError> {
-        let overlap_strain = self.work.balance.sums.mean_overlap() / (2.0 * self.model.mean_radius);
-        let slope = slope.unwrap_or(target.powf(2.0 / 3.0) / overlap_strain);
-        // dσ/dε of an isotropic strain is 3K; a frictionless pack has little G.
-        let bulk = 0.5 * slope * target.cbrt();
-        let shear = 0.2 * bulk;
-        let mut stiffness = Matrix3::repeat(bulk - 2.0 / 3.0 * shear)
-            + Matrix3::identity() * (2.0 * shear);
-        while (now - Vector3::repeat(target)).amax() > STRESS_TOLERANCE * target {
-            moves += 1;
-            let failed = GenerateError::Stress { moves, found: now.mean(), wanted: target };
-            if moves > MOST_MOVES {
-                return Err(failed);
-            }
-            let Some(inverse) = stiffness.try_inverse() else { return Err(failed) };
-            let limit = 0.2 * overlap_strain;
-            let strain =
-                (inverse * (Vector3::repeat(target) - now)).map(|e| e.clamp(-limit, limit));
-            self.strain(strain)?;
-            let then = now;
-            now = self.stress();
-            let miss = now - then - stiffness * strain;
-            let update = miss * strain.transpose() / strain.norm_squared();
-            if update.norm() < 0.5 * stiffness.norm() {
-                stiffness += update;
-            }
-        }
-        Ok(())
     }
 
     /// Expands grains with fewer than four contacts until they have four (T 2.7.2); says whether
@@ -297,15 +205,13 @@ impl Press {
         any
     }
 
-    /// The pack in the order in which its grains were drawn, relaxed to the scene's tolerance.
-    fn finish(mut self, solver: Solver) -> Result<Pack, GenerateError> {
-        self.model.solver.tolerance = solver.tolerance;
-        self.relax()?;
+    /// The pack in the order in which its grains were drawn.
+    fn pack(&self) -> Pack {
         let mut grains = self.model.grains.clone();
         for (k, &place) in self.model.order.iter().enumerate() {
             let position = self.state.position[k].into();
             grains[place as usize] = Grain { position, ..self.model.grains[k] };
         }
-        Ok(Pack { bounds: self.state.bounds(&self.model), grains })
+        Pack { bounds: self.state.bounds(&self.model), grains }
     }
 }

@@ -33,6 +33,8 @@ pub struct Sums {
     pub overlap: f64,
     /// Sum of P/r over the grain-grain contacts \[N/m\].
     pub bending: f64,
+    /// Σ P n̂ r over the contacts, along each axis \[J\]: the volume times the normal stress.
+    pub virial: [f64; 3],
     /// Number of contacts.
     pub contacts: u32,
 }
@@ -40,7 +42,7 @@ pub struct Sums {
 impl Sums {
     /// Of no contact.
     pub const NONE: Self =
-        Self { energy: 0.0, force: 0.0, overlap: 0.0, bending: 0.0, contacts: 0 };
+        Self { energy: 0.0, force: 0.0, overlap: 0.0, bending: 0.0, virial: [0.0; 3], contacts: 0 };
 
     /// Mean normal force \[N\]; 0 without contacts.
     #[must_use]
@@ -59,6 +61,9 @@ impl Sums {
         self.force += other.force;
         self.overlap += other.overlap;
         self.bending += other.bending;
+        for axis in 0..3 {
+            self.virial[axis] += other.virial[axis];
+        }
         self.contacts += other.contacts;
     }
 }
@@ -230,6 +235,9 @@ impl Part<'_> {
                     let bending = force / distance;
                     sums.bending += bending;
                     let push = branch * bending;
+                    for axis in 0..3 {
+                        sums.virial[axis] += push[axis] * branch[axis];
+                    }
                     gradient -= push;
                     self.pair_force[place + count] = push;
                     let m = ((stiffness + bending) * scale).sqrt() / distance;
@@ -251,6 +259,7 @@ impl Part<'_> {
                         sums.overlap += overlap;
                         sums.contacts += 1;
                         let axis = wall::axis(wall);
+                        sums.virial[axis] += force * (ri - overlap);
                         gradient[axis] -= force * wall::inward(wall);
                         walls[axis] += (hertz::stiffness(modulus, overlap) * scale) as f32;
                     }

@@ -7,8 +7,6 @@ use crate::relax::linear::Inner;
 use crate::relax::{Status, Workspace};
 use crate::state::State;
 
-/// Steps longer than this share of the mean overlap are shortened by a shift of the Hessian.
-const STEP_CAP: f64 = 1.0;
 /// First shift, and the one below which it is dropped, over twice the mean of P/r.
 const FIRST_SHIFT: f64 = 0.02;
 /// Most that one linear solve may take.
@@ -91,7 +89,7 @@ fn step(
     // Without contacts (grains that fall) any positive stiffness will do.
     let bending = (2.0 * sums.bending / (model.len() as f64 * work.reference_stiffness)).max(1e-9);
     let cap =
-        STEP_CAP * if sums.contacts > 0 { sums.mean_overlap() } else { 0.1 * model.mean_radius };
+        work.step_cap * if sums.contacts > 0 { sums.mean_overlap() } else { 0.1 * model.mean_radius };
     while shift.is_finite() && *shift < 1e9 {
         work.linear.factorise((*shift * bending) as f32);
         let inner = work.linear.solve(&work.balance.gradient, largest, forcing, MOST_PRODUCTS);
