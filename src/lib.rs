@@ -7,11 +7,13 @@ pub mod measure;
 pub mod model;
 pub mod msg;
 pub mod pack;
+pub mod path;
 pub mod relax;
 pub mod report;
 pub mod scene;
 pub mod sink;
 pub mod state;
+pub mod table;
 pub mod twin;
 pub mod wall;
 
