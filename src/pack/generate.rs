@@ -34,6 +34,8 @@ const APART: f64 = 0.2;
 const DESCENTS: [f64; 4] = [1e-3, 3e-4, 1e-4, 3e-5];
 /// Most steps of a descent.
 const MOST_STEPS: u32 = 100_000;
+/// Newton steps before another descent is the better way.
+const MOST_NEWTON_STEPS: u32 = 120;
 /// Longest Newton step over the mean overlap: the way to the minimum does not matter here.
 const BOLD_STEP: f64 = 10.0;
 /// Deviation of each normal stress from the one asked for.
@@ -122,6 +124,7 @@ struct Press {
 
 impl Press {
     fn new(pack: &Pack, walls: &Walls, solver: Solver) -> Self {
+        let solver = Solver { max_iterations: MOST_NEWTON_STEPS, ..solver };
         let model = Model::with(pack, walls, [0.0; 3], solver, None);
         let work = Workspace::new(&model);
         Self { state: State::new(&model), work, walls: *walls, model }
