@@ -131,11 +131,7 @@ fn a_command_csv_is_taken_as_it_is() {
     let moved: Vec<_> = commands.iter().map(|c| c.displacement).collect();
     assert_eq!(
         moved,
-        [
-            [0.0, 0.0, 0.0, 0.0, 0.0, 1e-6],
-            [-3e-6, 0.0, 0.0, 0.0, 0.0, 2e-6],
-            [0.0; 6],
-        ]
+        [[0.0, 0.0, 0.0, 0.0, 0.0, 1e-6], [-3e-6, 0.0, 0.0, 0.0, 0.0, 2e-6], [0.0; 6],]
     );
     let stamps: Vec<_> = commands.iter().map(|c| (c.stamp.sec, c.stamp.nanosec)).collect();
     assert_eq!(stamps, [(0, 500_000_000), (1, 250_000_000), (1, 250_000_000)]);
@@ -171,7 +167,9 @@ fn a_wrong_command_csv_is_named_with_file_and_line() {
         (b"stamp,top\n0,0\n", &format!("1: column `top` is unknown; {walls}")),
         (
             b"# rig\nstamp,x_min:stress\n0,0\n",
-            &format!("2: column `x_min:stress`: this version has no stress-controlled walls; {walls}"),
+            &format!(
+                "2: column `x_min:stress`: this version has no stress-controlled walls; {walls}"
+            ),
         ),
         (b"stamp,x_min\n0,0\n1\n", "3: 1 fields; allowed: 2, as in the header"),
         (b"stamp,x_min\n0,0,0\n", "2: 3 fields; allowed: 2, as in the header"),

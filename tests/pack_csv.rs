@@ -103,7 +103,8 @@ fn columns_come_in_any_order_with_blanks_and_comments() {
 
 #[test]
 fn materials_and_constants_may_differ_from_grain_to_grain() {
-    let files = Files::new("x,y,z,radius,material\n0,0,0,1e-4,hydrate\n5e-4,0,0,1e-4,glass\n", Some(JSON));
+    let files =
+        Files::new("x,y,z,radius,material\n0,0,0,1e-4,hydrate\n5e-4,0,0,1e-4,glass\n", Some(JSON));
     let pack = files.build("").unwrap();
     assert_eq!(pack.grains[0].density, 900.0);
     assert_eq!(pack.grains[1].density, 2420.0);
@@ -135,7 +136,10 @@ fn a_wrong_pack_is_named_with_file_line_and_column() {
         (b"x,y,z,radius\n", "p.csv:1: no grain follows the header"),
         (b"x,y,z\n0,0,0\n", "p.csv:1: column `radius` is missing; the header has `x`, `y`, `z`"),
         (b"x,y,z,radius,x\n", "p.csv:1: column `x` appears twice"),
-        (b"x,y,z,radius,colour\n", "p.csv:1: column `colour` is unknown; allowed: x, y, z, radius and"),
+        (
+            b"x,y,z,radius,colour\n",
+            "p.csv:1: column `colour` is unknown; allowed: x, y, z, radius and",
+        ),
         (b"x,y,z,radius,young\n0,0,0,1e-4,1\n", "p.csv:1: column `poisson` is missing"),
         (
             b"x,y,z,radius,material,young\n0,0,0,1e-4,glass,1\n",
@@ -147,7 +151,10 @@ fn a_wrong_pack_is_named_with_file_line_and_column() {
         (b"x,y,z,radius\n0,inf,0,1e-4\n", "p.csv:2: column `y`: `inf` is not a finite number"),
         (b"x,y,z,radius\n0,0,1e400,1e-4\n", "p.csv:2: column `z`: `1e400` is not a finite number"),
         (b"x,y,z,radius\n0,0,0,NaN\n", "p.csv:2: column `radius`: `NaN` is not a finite number"),
-        (b"x,y,z,radius\n0,0,0,-1e-4\n", "p.csv:2: column `radius`: -0.0001 is outside radius > 0 m"),
+        (
+            b"x,y,z,radius\n0,0,0,-1e-4\n",
+            "p.csv:2: column `radius`: -0.0001 is outside radius > 0 m",
+        ),
         (b"x,y,z,radius\n0,0,0,0\n", "p.csv:2: column `radius`: 0.0 is outside radius > 0 m"),
         (b"x,y,z,radius\n0,0,zero,1e-4\n", "p.csv:2: column `z`: `zero` is not a number"),
         (b"x,y,z,radius\n0,0,0,\xff\n", "p.csv:2: not UTF-8"),
@@ -182,8 +189,7 @@ fn constants_out_of_range_are_refused() {
         ("1e9,0.2,1e3,inf", "column `friction`: `inf` is not a finite number"),
     ];
     for (constants, text) in cases {
-        let csv =
-            format!("x,y,z,radius,young,poisson,density,friction\n0,0,0,1e-4,{constants}\n");
+        let csv = format!("x,y,z,radius,young,poisson,density,friction\n0,0,0,1e-4,{constants}\n");
         assert_eq!(Files::new(csv, Some(JSON)).refusal(""), format!("p.csv:2: {text}"));
     }
 }
@@ -229,8 +235,14 @@ fn a_pack_without_a_box_says_where_one_could_stand() {
             r#"p.json: it has no key `box`, only ["N", "walls"]"#,
         ),
         (Some(r#"{"box": {"min": [0, 0, 0]}}"#), "p.json: box: missing field `max`"),
-        (Some(r#"{"box": {"min": [0, 0, 0], "max": [1, 1, null]}}"#), "p.json: box: invalid type: null"),
-        (Some(r#"{"box": {"min": [0, 0, 0], "max": [1, 1, 1], "mid": 0}}"#), "p.json: box: unknown field `mid`"),
+        (
+            Some(r#"{"box": {"min": [0, 0, 0], "max": [1, 1, null]}}"#),
+            "p.json: box: invalid type: null",
+        ),
+        (
+            Some(r#"{"box": {"min": [0, 0, 0], "max": [1, 1, 1], "mid": 0}}"#),
+            "p.json: box: unknown field `mid`",
+        ),
         (
             Some(r#"{"box": {"min": [0, 0, 0], "max": [1, 0, 1]}}"#),
             "p.json: box: max[1] = 0.0 is not above min[1] = 0.0",

@@ -159,12 +159,12 @@ fn wrong_form_is_named_with_line_column_field_and_what_is_allowed() {
         ),
         ("solvers: {}", "2:1: solvers: unknown field `solvers`, expected one of name, dimension"),
         ("pack: {file: other.csv}", "2:1: duplicate mapping key `pack`"),
-        (
-            "solver: {tolerance: 1e-8, tolerance: 1e-8}",
-            "2:27: duplicate mapping key `tolerance`",
-        ),
+        ("solver: {tolerance: 1e-8, tolerance: 1e-8}", "2:27: duplicate mapping key `tolerance`"),
         ("solver: {tolerance: small}", "2:21: solver.tolerance: `small` is not a number"),
-        ("solver: {max_iterations: 1.5}", "2:26: solver.max_iterations: `1.5` is not a whole number"),
+        (
+            "solver: {max_iterations: 1.5}",
+            "2:26: solver.max_iterations: `1.5` is not a whole number",
+        ),
         ("solver: {max_iterations: -1}", "2:26: solver.max_iterations: `-1` is not a whole number"),
         ("solver: 0.5", "2:9: solver: `0.5` stands here; allowed: keys with values"),
         ("solver:", "2:7: solver: nothing stands here; allowed: keys with values"),
@@ -172,8 +172,14 @@ fn wrong_form_is_named_with_line_column_field_and_what_is_allowed() {
         ("gravity: 9.81", "2:10: gravity: `9.81` stands here; allowed: a list"),
         ("solver:\n\ttolerance: 1e-8", "3:2: tabs disallowed"),
         ("solver: {tolerance: 1e-8", "2:9: unclosed bracket"),
-        ("---\npack: {file: b.csv}", "3:1: a second document begins here; allowed: one scene a file"),
-        ("solver: {method: fire}", "2:18: solver.method: unknown variant `fire`, expected one of newton"),
+        (
+            "---\npack: {file: b.csv}",
+            "3:1: a second document begins here; allowed: one scene a file",
+        ),
+        (
+            "solver: {method: fire}",
+            "2:18: solver.method: unknown variant `fire`, expected one of newton",
+        ),
         ("contact: {torsion: 1}", "2:20: contact.torsion: `1` is not true or false"),
         ("contact: {torsion: yes}", "2:20: contact.torsion: `yes` is not true or false"),
         ("name: [a]", "2:7: name: a list stands here; allowed: one value"),
@@ -183,10 +189,19 @@ fn wrong_form_is_named_with_line_column_field_and_what_is_allowed() {
 #[test]
 fn values_out_of_range_are_named_with_line_column_field_and_what_is_allowed() {
     refused(&behind_pack(&[
-        ("solver: {tolerance: 1}", "2:21: solver.tolerance: 1.0 is outside 1e-13 <= tolerance <= 1e-2"),
-        ("solver: {tolerance: .nan}", "2:21: solver.tolerance: NaN is not a finite number; allowed: 1e-13"),
+        (
+            "solver: {tolerance: 1}",
+            "2:21: solver.tolerance: 1.0 is outside 1e-13 <= tolerance <= 1e-2",
+        ),
+        (
+            "solver: {tolerance: .nan}",
+            "2:21: solver.tolerance: NaN is not a finite number; allowed: 1e-13",
+        ),
         ("solver: {tolerance: 1e999}", "2:21: solver.tolerance: `inf` is not a number"),
-        ("solver: {max_strain_increment: 0}", "2:32: solver.max_strain_increment: 0.0 is outside 0 <"),
+        (
+            "solver: {max_strain_increment: 0}",
+            "2:32: solver.max_strain_increment: 0.0 is outside 0 <",
+        ),
         ("solver: {max_overlap_share: 0}", "2:29: solver.max_overlap_share: 0.0 is outside 0 <"),
         ("solver: {max_iterations: 0}", "2:26: solver.max_iterations: 0 is outside 1 to"),
         (
@@ -234,7 +249,10 @@ fn values_out_of_range_are_named_with_line_column_field_and_what_is_allowed() {
 #[test]
 fn wrong_load_paths_are_named_with_their_step() {
     refused(&behind_pack(&[
-        ("load_path: fast", "2:1: load_path: invalid type: string \"fast\", expected a list of steps"),
+        (
+            "load_path: fast",
+            "2:1: load_path: invalid type: string \"fast\", expected a list of steps",
+        ),
         (
             "load_path: [squeeze: {}]",
             "2:13: load_path[0].squeeze: unknown variant `squeeze`, expected one of isotropic,",
@@ -364,11 +382,11 @@ fn every_problem_is_told_at_once_each_on_its_line() {
                 solver: {tolerance: 1}\n";
     assert_eq!(
         refusal(text),
-        "scene.yaml:4:12: materials.glass.young: -1.0 is outside young > 0 Pa\n\
+        "scene.yaml:1:31: pack.material: no material is named `iron`; known: glass, hydrate, quartz\n\
+         scene.yaml:4:12: materials.glass.young: -1.0 is outside young > 0 Pa\n\
          scene.yaml:5:14: materials.glass.poisson: 0.7 is outside -1 < nu < 0.5\n\
          scene.yaml:6:14: materials.glass.density: inf is not a finite number; \
          allowed: density > 0 kg/m³\n\
-         scene.yaml:1:31: pack.material: no material is named `iron`; known: glass, hydrate, quartz\n\
          scene.yaml:7:21: solver.tolerance: 1.0 is outside 1e-13 <= tolerance <= 1e-2"
     );
 }

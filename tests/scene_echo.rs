@@ -32,9 +32,8 @@ fn positive() -> impl Strategy<Value = f64> {
 }
 
 fn material() -> impl Strategy<Value = Material> {
-    (positive(), -0.98..0.49, positive(), 0.0..0.3).prop_map(|(young, poisson, density, spread)| {
-        Material { young, poisson, density, spread }
-    })
+    (positive(), -0.98..0.49, positive(), 0.0..0.3)
+        .prop_map(|(young, poisson, density, spread)| Material { young, poisson, density, spread })
 }
 
 fn bounds() -> impl Strategy<Value = Bounds> {
@@ -134,8 +133,7 @@ fn step() -> impl Strategy<Value = Step> {
                 Step::Polyaxial(Polyaxial { strain, increments, moving })
             }
         ),
-        (0.0..0.999, count)
-            .prop_map(|(to, increments)| Step::Unload(Unload { to, increments })),
+        (0.0..0.999, count).prop_map(|(to, increments)| Step::Unload(Unload { to, increments })),
         word().prop_map(|file| Step::Commands(file.into())),
         rig_log().prop_map(Step::RigLog),
     ];
@@ -161,8 +159,11 @@ fn service() -> impl Strategy<Value = (Outputs, Node, Record)> {
     let when = prop::sample::select(vec![When::Always, When::OnDemand, When::Never]);
     let markers = prop::sample::select(vec![Markers::OnDemand, Markers::Never]);
     let moduli = prop::sample::select(vec![ModuliKind::Secant, ModuliKind::None]);
-    let outputs = (when, markers, moduli)
-        .prop_map(|(contact_network, markers, moduli)| Outputs { contact_network, markers, moduli });
+    let outputs = (when, markers, moduli).prop_map(|(contact_network, markers, moduli)| Outputs {
+        contact_network,
+        markers,
+        moduli,
+    });
     let reach = prop::sample::select(vec![Discovery::Localhost, Discovery::Subnet]);
     let node = (reach, 0..=232_u16, 0.0..1e6, any::<bool>()).prop_map(
         |(discovery, domain_id, stale_after, virtual_rig)| Node {
@@ -172,8 +173,7 @@ fn service() -> impl Strategy<Value = (Outputs, Node, Record)> {
             virtual_rig,
         },
     );
-    let kind =
-        prop::sample::select(vec![Compression::Zstd, Compression::Lz4, Compression::None]);
+    let kind = prop::sample::select(vec![Compression::Zstd, Compression::Lz4, Compression::None]);
     let record = ((1_u64 << 20)..=(1 << 30), kind)
         .prop_map(|(chunk, compression)| Record { chunk, compression });
     (outputs, node, record)
@@ -226,8 +226,18 @@ fn an_echo_holds_every_key_of_the_format() {
     let scene = scene::parse("pack: {file: a.csv}", Path::new("a")).unwrap();
     let yaml = scene.to_yaml().unwrap();
     for key in [
-        "name", "dimension", "materials", "walls", "pack", "contact", "gravity", "solver",
-        "load_path", "outputs", "node", "record",
+        "name",
+        "dimension",
+        "materials",
+        "walls",
+        "pack",
+        "contact",
+        "gravity",
+        "solver",
+        "load_path",
+        "outputs",
+        "node",
+        "record",
     ] {
         assert!(yaml.contains(&format!("\n{key}:")) || yaml.starts_with(key), "{key}\n{yaml}");
     }
