@@ -23,8 +23,8 @@ pub(crate) use failure::{Failure, Outcome};
 
 /// A digital twin of a granular specimen in a lab loading rig.
 ///
-/// The specimen is a box of elastic grains between six rigid-body walls. Each command moves the
-/// walls; the twin finds the new equilibrium and answers with wall forces, stresses and moduli.
+/// The specimen is a box of elastic grains between six elastic walls. Each command moves the walls;
+/// the twin finds the new equilibrium and answers with wall forces, stresses and moduli.
 /// Units are SI (m, N, Pa, s); compression is positive.
 #[derive(Debug, Parser)]
 #[command(

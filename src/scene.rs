@@ -1,6 +1,6 @@
 //! The scene file: everything that a run depends on, with a default for every key but `pack`.
 //!
-//! [`load`] reads the YAML, refuses unknown and duplicate keys, checks the whole and names file,
+//! [`load()`] reads the YAML, refuses unknown and duplicate keys, checks the whole and names file,
 //! line and field of everything that is wrong. Relative files are meant from the scene file's
 //! folder. Lengths are in m, moduli and stresses in Pa, compression is positive.
 

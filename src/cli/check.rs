@@ -5,6 +5,8 @@ mod scene;
 
 use std::path::PathBuf;
 
+use anyhow::anyhow;
+
 use super::{Cli, Failure, Outcome, output};
 
 /// Says whether a scene or a pack is right, and what is in it.
@@ -28,7 +30,7 @@ pub(super) fn run(args: &Args, cli: &Cli) -> Result<Outcome, Failure> {
         },
         "csv" => pack::describe(file)?,
         _ => {
-            return Err(Failure::Input(anyhow::anyhow!(
+            return Err(Failure::Input(anyhow!(
                 "{}: a name ending in `{extension}` tells no kind of file; allowed: .yaml or .yml \
                  for a scene, .csv for a pack",
                 file.display()

@@ -2,7 +2,7 @@
 
 use std::io::{self, ErrorKind, Write};
 
-use anyhow::Context;
+use anyhow::anyhow;
 
 use super::Failure;
 
@@ -11,7 +11,7 @@ pub(super) fn print(text: &str) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(error).context("stdout").map_err(Failure::Other)
+            Err(Failure::Other(anyhow!("stdout: {error}")))
         }
         _ => Ok(()),
     }
@@ -21,7 +21,8 @@ pub(super) fn print(text: &str) -> Result<(), Failure> {
 pub(crate) fn complain(failure: &Failure) {
     let (Failure::Input(error) | Failure::Other(error)) = failure;
     let mut stderr = io::stderr().lock();
-    for line in format!("{error:#}").lines() {
+    // Sentences are whole: they hold what caused them.
+    for line in error.to_string().lines() {
         // Nothing is left to tell it to when stderr fails.
         let _ = writeln!(stderr, "error: {line}");
     }

@@ -16,9 +16,9 @@ impl Progress {
     pub(super) fn new(length: Option<usize>, bars: &MultiProgress) -> Self {
         let (bar, template) = match length {
             Some(length) => {
-                (ProgressBar::new(length as u64), "{bar:30} {pos}/{len} {msg} | {eta} left")
+                (ProgressBar::new(length as u64), "{bar:20} increment {pos}/{len} {msg} | {eta} left")
             }
-            None => (ProgressBar::no_length(), "{spinner} {pos} {msg}"),
+            None => (ProgressBar::no_length(), "{spinner} increment {pos} {msg}"),
         };
         Self(with_style(bars.add(bar), template))
     }
@@ -30,9 +30,6 @@ impl Sink for Progress {
     }
 
     fn served(&mut self, served: &Arc<Served>) {
-        if served.command.is_some() {
-            self.0.inc(1);
-        }
         let measures = served.report.measures.as_ref();
         if let Some(state) = measures.and_then(|measures| measures.state.as_ref()) {
             self.0.set_message(format!(
@@ -41,6 +38,9 @@ impl Sink for Progress {
                 state.deviatoric_stress * 1e-6,
                 state.residual,
             ));
+        }
+        if served.command.is_some() {
+            self.0.inc(1);
         }
     }
 }

@@ -48,6 +48,7 @@ pub(super) fn run(args: &Args, cli: &Cli, bars: &MultiProgress) -> Result<Outcom
     let mut twin = Twin::new(&loaded.scene, &pack, cli.threads())?;
     let mut summary = Summary::new(&loaded, &pack);
     let stop = stop::on_signal()?;
+    tracing::info!("{} commands for {} grains", commands.len(), pack.grains.len());
     {
         let commands = Box::new(commands.into_iter()) as Box<dyn Iterator<Item = Command>>;
         let progress = Progress::new(commands.size_hint().1, bars);

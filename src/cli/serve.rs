@@ -4,6 +4,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+use anyhow::anyhow;
+
 use graintwin::command::{Command, Disposition};
 use graintwin::report::{Demand, Report};
 use graintwin::scene::{ModuliKind, Outputs, When};
@@ -25,7 +27,7 @@ pub(super) fn serve(
     let why = failed.then(|| first.text.clone());
     hand_over(None, first, sinks);
     if let Some(why) = why {
-        return Err(Failure::Other(anyhow::anyhow!("no equilibrium to start from: {why}")));
+        return Err(Failure::Other(anyhow!("no equilibrium to start from: {why}")));
     }
     for command in commands {
         if stop.load(Ordering::SeqCst) {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use anyhow::Context;
+use anyhow::anyhow;
 
 use super::Failure;
 
@@ -17,7 +17,6 @@ pub(super) fn on_signal() -> Result<Arc<AtomicBool>, Failure> {
         }
         tracing::warn!("stopping after this increment; once more stops at once");
     })
-    .context("cannot listen to signals")
-    .map_err(Failure::Other)?;
+    .map_err(|error| Failure::Other(anyhow!("cannot listen to signals: {error}")))?;
     Ok(flag)
 }

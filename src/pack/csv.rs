@@ -16,6 +16,9 @@ const GEOMETRY: [&str; 4] = ["x", "y", "z", "radius"];
 const MATERIAL: &str = "material";
 const CONSTANTS: [&str; 4] = ["young", "poisson", "density", "friction"];
 
+/// Keys of a JSON without a box that its message names.
+const MAX_KEYS: usize = 4;
+
 /// What a pack CSV says about the grains' material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Columns {
@@ -185,7 +188,9 @@ impl PackFile {
             serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
         let Some(found) = json.get("box") else {
             let keys: Vec<_> = json.as_object().into_iter().flatten().map(|(key, _)| key).collect();
-            return Err(wrong(format!("it has no key `box`, only {keys:?}")));
+            let shown = &keys[..keys.len().min(MAX_KEYS)];
+            let dots = if keys.len() > MAX_KEYS { " and more" } else { "" };
+            return Err(wrong(format!("it has no key `box`, only {shown:?}{dots}")));
         };
         let bounds: Bounds = serde_json::from_value(found.clone())
             .map_err(|error| wrong(format!("box: {error}")))?;

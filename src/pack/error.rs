@@ -58,7 +58,8 @@ pub enum PackError {
     },
     /// Nothing tells what the grains are made of.
     #[error(
-        "{}: it has neither a column `material` nor `young,poisson,density,friction`; allowed          besides: `pack.material` in the scene, one for all grains",
+        "{}: it has neither a column `material` nor `young,poisson,density,friction`; allowed \
+         besides: `pack.material` in the scene, one for all grains",
         file.display()
     )]
     NoMaterial {

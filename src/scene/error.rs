@@ -41,7 +41,7 @@ pub enum SceneError {
         /// What the system said.
         source: io::Error,
     },
-    /// The scene is wrong: every problem that was found, one a line.
+    /// The scene is wrong: every problem that was found, in the order of the file, one a line.
     #[error("{}", lines(.0))]
     Invalid(Vec<Problem>),
     /// The scene cannot be written as YAML.

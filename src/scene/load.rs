@@ -84,7 +84,9 @@ pub fn parse(text: &str, file: &Path) -> Result<Scene, SceneError> {
             let position = tree::position(&root, &field);
             problem((field, position, text))
         };
-        Err(SceneError::Invalid(problems.0.into_iter().map(place).collect()))
+        let mut problems: Vec<_> = problems.0.into_iter().map(place).collect();
+        problems.sort_by_key(|problem| problem.position);
+        Err(SceneError::Invalid(problems))
     };
 
     let mut problems = Problems::default();

@@ -55,7 +55,7 @@ fn find<'tree>(
         }
     });
     best.map(|(_, place, mut field, value)| {
-        // In braces the reader names the place of the first key instead.
+        // In braces the reader names the place of a key instead.
         if place == Place::Key && matches!(error, Error::SerdeMissingField { .. }) {
             field.0.pop();
         }
@@ -73,6 +73,10 @@ fn sentence(error: &Error, value: Option<&Tree>) -> String {
         Error::Unexpected { expected: "sequence start", .. } => {
             format!("{found} stands here; allowed: a list, as in `[a, b]`")
         }
+        Error::Unexpected { expected, .. } if expected.ends_with("scalar") => {
+            format!("{found} stands here; allowed: one value")
+        }
+        Error::InvalidBooleanStrict { .. } => format!("{found} is not true or false"),
         Error::NullIntoString { .. } => "nothing stands here; allowed: text".into(),
         Error::ExpectedMappingEndAfterEnumVariantValue { .. } => {
             "a second key stands here; allowed: one key, or one `- key: ...` an entry".into()

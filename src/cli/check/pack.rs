@@ -15,8 +15,11 @@ pub(super) fn describe(file: &Path) -> Result<String, Failure> {
             let [x, y, z] = bounds.sides().map(|side| significant(side * 1e3, 5));
             format!("{x} x {y} x {z} mm, from {}", pack::box_file(file).display())
         }
-        Err(error @ (PackError::ReadBox { .. } | PackError::Box { .. })) => {
-            format!("none beside the file, so the scene must tell it ({error})")
+        Err(PackError::ReadBox { file, source }) => {
+            format!("the scene must tell it, pack.box ({}: {source})", file.display())
+        }
+        Err(PackError::Box { file, text }) => {
+            format!("the scene must tell it, pack.box ({}: {text})", file.display())
         }
         Err(error) => return Err(error.into()),
     };

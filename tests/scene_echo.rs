@@ -1,0 +1,244 @@
+//! A scene written with all its defaults reads back as the same scene.
+#![allow(clippy::unwrap_used)]
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use graintwin::scene::{
+    self, Axis, Compression, Contact, Discovery, Friction, Generate, Isotropic, Lateral, LoadPath,
+    Markers, Material, Method, ModuliKind, Moving, Node, Normal, Outputs, PackSource, Polyaxial,
+    Radius, Record, Repeat, RigLog, Scene, Solver, Step, StrainUnit, Triaxial, Uniaxial, Unload,
+    Walls, When,
+};
+use graintwin::wall::Bounds;
+use proptest::option;
+use proptest::prelude::*;
+
+fn word() -> impl Strategy<Value = String> {
+    // Words that YAML would rather take for something else are among them.
+    prop_oneof![
+        "[a-zA-Z][a-zA-Z0-9_ %.-]{0,11}[a-zA-Z0-9]",
+        Just("yes".into()),
+        Just("null".into()),
+        Just("1e-3".into()),
+        Just("y".into()),
+        Just("- a: b # c".into()),
+        Just("µ'\"ε".into()),
+    ]
+}
+
+fn positive() -> impl Strategy<Value = f64> {
+    (-290.0..290.0_f64).prop_map(|exponent| 10_f64.powf(exponent))
+}
+
+fn material() -> impl Strategy<Value = Material> {
+    (positive(), -0.98..0.49, positive(), 0.0..0.3)
+        .prop_map(|(young, poisson, density, spread)| Material { young, poisson, density, spread })
+}
+
+fn bounds() -> impl Strategy<Value = Bounds> {
+    (prop::array::uniform3(-1.0..1.0), prop::array::uniform3(1e-9..1.0)).prop_map(|(min, side)| {
+        Bounds { min, max: std::array::from_fn(|axis: usize| min[axis] + side[axis] + 1e-9) }
+    })
+}
+
+fn radius() -> impl Strategy<Value = Radius> {
+    prop_oneof![
+        positive().prop_map(Radius::Constant),
+        (positive(), 1.0..100.0).prop_map(|(low, ratio)| Radius::Uniform([low, low * ratio])),
+    ]
+}
+
+fn generate() -> impl Strategy<Value = Generate> {
+    let sizes = (1..10_000_000_usize, radius(), any::<u64>(), positive());
+    (sizes, prop::array::uniform3(0.01..100.0), 0..1000_u32).prop_map(
+        |((grains, radius, seed, confining_stress), aspect, expand_floaters)| Generate {
+            grains,
+            radius,
+            material: "glass".into(),
+            seed,
+            confining_stress,
+            aspect,
+            expand_floaters,
+        },
+    )
+}
+
+fn pack() -> impl Strategy<Value = PackSource> {
+    let made = (generate(), option::of(bounds())).prop_map(|(generate, cut)| PackSource {
+        generate: Some(generate),
+        file: None,
+        bounds: None,
+        material: None,
+        cut,
+        seed: 0,
+    });
+    let read = (word(), option::of(bounds()), option::of(bounds()), any::<u64>()).prop_map(
+        |(file, bounds, cut, seed)| PackSource {
+            generate: None,
+            file: Some(file.into()),
+            bounds,
+            material: Some("quartz".into()),
+            cut,
+            seed,
+        },
+    );
+    prop_oneof![made, read]
+}
+
+fn strain() -> impl Strategy<Value = f64> {
+    -0.999..0.999
+}
+
+fn axis() -> impl Strategy<Value = Axis> {
+    prop::sample::select(vec![Axis::X, Axis::Y, Axis::Z])
+}
+
+fn moving() -> impl Strategy<Value = Moving> {
+    prop::sample::select(vec![Moving::Both, Moving::Min, Moving::Max])
+}
+
+fn rig_log() -> impl Strategy<Value = RigLog> {
+    let unit =
+        prop::sample::select(vec![StrainUnit::Ratio, StrainUnit::Percent, StrainUnit::Microstrain]);
+    let lateral = prop::sample::select(vec![Lateral::ConstantVolume, Lateral::Fixed]);
+    (word(), word(), unit, lateral, axis()).prop_map(|(file, time, unit, lateral, axis)| RigLog {
+        file: file.into(),
+        axial_strain: format!("{time} strain"),
+        time,
+        unit,
+        lateral,
+        axis,
+    })
+}
+
+fn step() -> impl Strategy<Value = Step> {
+    let count = 1..1000_u32;
+    let leaf = prop_oneof![
+        (strain(), count.clone(), moving()).prop_map(|(strain, increments, moving)| {
+            Step::Isotropic(Isotropic { strain, increments, moving })
+        }),
+        (axis(), strain(), count.clone(), moving()).prop_map(
+            |(axis, strain, increments, moving)| {
+                Step::Uniaxial(Uniaxial { axis, strain, increments, moving })
+            }
+        ),
+        (axis(), strain(), strain(), count.clone(), moving()).prop_map(
+            |(axis, axial_strain, lateral_strain, increments, moving)| {
+                Step::Triaxial(Triaxial { axis, axial_strain, lateral_strain, increments, moving })
+            }
+        ),
+        (prop::array::uniform3(strain()), count.clone(), moving()).prop_map(
+            |(strain, increments, moving)| {
+                Step::Polyaxial(Polyaxial { strain, increments, moving })
+            }
+        ),
+        (0.0..0.999, count).prop_map(|(to, increments)| Step::Unload(Unload { to, increments })),
+        word().prop_map(|file| Step::Commands(file.into())),
+        rig_log().prop_map(Step::RigLog),
+    ];
+    leaf.prop_recursive(2, 8, 3, |inner| {
+        (1..10_u32, prop::collection::vec(inner, 0..3))
+            .prop_map(|(times, steps)| Step::Repeat(Repeat { times, steps }))
+    })
+}
+
+fn solver() -> impl Strategy<Value = Solver> {
+    (-13.0..-2.0_f64, 1e-12..0.1, 1e-6..100.0, 1..1_000_000_u32).prop_map(
+        |(exponent, max_strain_increment, max_overlap_share, max_iterations)| Solver {
+            method: Method::Newton,
+            tolerance: 10_f64.powf(exponent),
+            max_strain_increment,
+            max_overlap_share,
+            max_iterations,
+        },
+    )
+}
+
+fn service() -> impl Strategy<Value = (Outputs, Node, Record)> {
+    let when = prop::sample::select(vec![When::Always, When::OnDemand, When::Never]);
+    let markers = prop::sample::select(vec![Markers::OnDemand, Markers::Never]);
+    let moduli = prop::sample::select(vec![ModuliKind::Secant, ModuliKind::None]);
+    let outputs = (when, markers, moduli).prop_map(|(contact_network, markers, moduli)| Outputs {
+        contact_network,
+        markers,
+        moduli,
+    });
+    let reach = prop::sample::select(vec![Discovery::Localhost, Discovery::Subnet]);
+    let node = (reach, 0..=232_u16, 0.0..1e6, any::<bool>()).prop_map(
+        |(discovery, domain_id, stale_after, virtual_rig)| Node {
+            discovery,
+            domain_id,
+            stale_after,
+            virtual_rig,
+        },
+    );
+    let kind = prop::sample::select(vec![Compression::Zstd, Compression::Lz4, Compression::None]);
+    let record = ((1_u64 << 20)..=(1 << 30), kind)
+        .prop_map(|(chunk, compression)| Record { chunk, compression });
+    (outputs, node, record)
+}
+
+fn scene() -> impl Strategy<Value = Scene> {
+    let materials = prop::collection::btree_map(word(), material(), 0..3);
+    let walls = (positive(), -0.999..0.499, 0.0..10.0)
+        .prop_map(|(young, poisson, friction)| Walls { young, poisson, friction });
+    let laws = (walls, any::<bool>(), prop::array::uniform3(-1e3..1e3), option::of(bounds()));
+    let path = prop::collection::vec(step(), 0..4);
+    (word(), materials, laws, pack(), solver(), path, service()).prop_map(
+        |(name, own, (walls, torsion, gravity, reference), pack, solver, path, service)| {
+            let (outputs, node, record) = service;
+            let mut materials: BTreeMap<_, _> =
+                scene::parse("pack: {file: a}", Path::new("a")).unwrap().materials;
+            materials.extend(own);
+            Scene {
+                name,
+                dimension: 3,
+                materials,
+                walls,
+                pack,
+                contact: Contact { normal: Normal::Hertz, friction: Friction::None, torsion },
+                gravity,
+                reference,
+                solver,
+                load_path: LoadPath(path),
+                outputs,
+                node,
+                record,
+            }
+        },
+    )
+}
+
+proptest! {
+    #[test]
+    fn an_echoed_scene_reads_back_equal(scene in scene()) {
+        let yaml = scene.to_yaml().unwrap();
+        match scene::parse(&yaml, Path::new("echo.yaml")) {
+            Ok(again) => prop_assert_eq!(again, scene, "{}", yaml),
+            Err(error) => prop_assert!(false, "{error}\n{yaml}"),
+        }
+    }
+}
+
+#[test]
+fn an_echo_holds_every_key_of_the_format() {
+    let scene = scene::parse("pack: {file: a.csv}", Path::new("a")).unwrap();
+    let yaml = scene.to_yaml().unwrap();
+    for key in [
+        "name",
+        "dimension",
+        "materials",
+        "walls",
+        "pack",
+        "contact",
+        "gravity",
+        "solver",
+        "load_path",
+        "outputs",
+        "node",
+        "record",
+    ] {
+        assert!(yaml.contains(&format!("\n{key}:")) || yaml.starts_with(key), "{key}\n{yaml}");
+    }
+}
