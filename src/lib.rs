@@ -4,6 +4,8 @@
 pub mod command;
 pub mod msg;
 pub mod pack;
+#[cfg(feature = "mcap")]
+pub mod record;
 pub mod report;
 pub mod scene;
 pub mod sink;
