@@ -14,10 +14,11 @@
 //! share a chunk. They do to keep the index small; compression hardly gains, the low bits of a
 //! contact network being new at every increment.
 //!
-//! **Times.** `log_time` is the wall clock when the twin had served, one nanosecond more for each
-//! message so that it rises strictly even when the clock is set back: playback in this order
-//! follows the twin's pace. `publish_time` is the stamp in the header, that is, of the command
-//! served: `ros2 bag play --message-order sent` follows the rig's pace.
+//! **Times.** `log_time` is the wall clock when the twin had served, and at least a nanosecond
+//! more for each message: it rises strictly even when the clock is set back, and players that
+//! shuffle equal times find none. Playback follows the twin's pace. `publish_time` is the stamp
+//! in the header, that is, of the command served: `ros2 bag play --message-order sent`, which
+//! ROS 2 has since Kilted, follows the rig's pace.
 
 mod bag;
 mod metadata;

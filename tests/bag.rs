@@ -43,7 +43,7 @@ fn header(stamp: Stamp, frame: &str) -> Value {
     json!({"stamp": {"sec": stamp.sec, "nanosec": stamp.nanosec}, "frame_id": frame})
 }
 
-fn message(topic: &str, fields: Value) -> Value {
+fn message(topic: &str, fields: &Value) -> Value {
     json!({"topic": format!("/graintwin/{topic}"), "fields": fields})
 }
 
@@ -53,7 +53,7 @@ fn expected(served: &Served) -> Vec<Value> {
     if let Some(command) = &served.command {
         messages.push(message(
             "boundary_command",
-            json!({
+            &json!({
                 "header": header(command.stamp, "pack"),
                 "session": command.session,
                 "sequence": command.sequence,
@@ -65,7 +65,7 @@ fn expected(served: &Served) -> Vec<Value> {
     let report = &served.report;
     messages.push(message(
         "report",
-        json!({
+        &json!({
             "header": header(report.stamp, "pack"),
             "session": report.session,
             "sequence": report.sequence,
@@ -85,11 +85,11 @@ fn expected_measures(measures: &Measures) -> Vec<Value> {
     let common = |frame: &str| json!({"header": header(measures.stamp, frame), "increment": measures.increment});
     let walls = &measures.walls;
     let mut messages =
-        vec![message("wall_forces", merged(common("pack"), serde_json::to_value(walls).unwrap()))];
+        vec![message("wall_forces", &merged(common("pack"), serde_json::to_value(walls).unwrap()))];
     for (index, name) in wall::NAMES.iter().enumerate() {
         messages.push(message(
             &format!("wall/{name}/wrench"),
-            json!({
+            &json!({
                 "header": header(measures.stamp, &format!("wall_{name}")),
                 "wrench": {"force": walls.force[index], "torque": walls.moment[index]},
             }),
@@ -97,7 +97,7 @@ fn expected_measures(measures: &Measures) -> Vec<Value> {
     }
     messages.push(message(
         "wall_states",
-        json!({
+        &json!({
             "header": header(measures.stamp, "pack"),
             "name": ["x_min", "x_max", "y_min", "y_max", "z_min", "z_max"],
             "position": walls.displacement,
@@ -106,11 +106,11 @@ fn expected_measures(measures: &Measures) -> Vec<Value> {
         }),
     ));
     let state = serde_json::to_value(measures.state.unwrap()).unwrap();
-    messages.push(message("state", merged(common("pack"), state)));
+    messages.push(message("state", &merged(common("pack"), state)));
     let moduli = measures.moduli.unwrap();
     messages.push(message(
         "moduli",
-        merged(
+        &merged(
             common("pack"),
             json!({
                 "valid": moduli.valid,
@@ -127,7 +127,7 @@ fn expected_measures(measures: &Measures) -> Vec<Value> {
     let network = measures.network.as_ref().unwrap();
     messages.push(message(
         "contact_network",
-        merged(
+        &merged(
             common("pack"),
             json!({
                 "chunk": 0,

@@ -1,6 +1,7 @@
 //! Recordings that were cut off, spoilt, or could not be written.
 #![cfg(feature = "mcap")]
 #![allow(clippy::unwrap_used, reason = "a test that fails may panic")]
+#![allow(clippy::print_stdout, reason = "a child process speaks to its test")]
 
 #[path = "common/answers.rs"]
 mod answers;

@@ -136,11 +136,14 @@ fn joint_state() -> JointState {
     }
 }
 
+/// Holds one answer of the peer against the message it is about.
+type Check = Box<dyn Fn(&Value)>;
+
 /// Messages as the peer gets them, and the checks of what it answers, in the same order.
 #[derive(Default)]
 struct Exchange {
     asked: Vec<Value>,
-    checks: Vec<Box<dyn Fn(&Value)>>,
+    checks: Vec<Check>,
 }
 
 impl Exchange {

@@ -27,7 +27,7 @@ pub(crate) fn answers(commands: u64, contacts: u32) -> Vec<Arc<Served>> {
     })];
     for sequence in 1..=commands {
         let command = command(sequence);
-        let refused = sequence % 5 == 0;
+        let refused = sequence.is_multiple_of(5);
         if !refused {
             increment += 1;
         }
@@ -44,7 +44,7 @@ fn command(sequence: u64) -> Command {
         stamp: Stamp { sec: sequence as i32 % 7 - 2, nanosec: 1_000 * sequence as u32 },
         session: if sequence < 4 { "erste Sitzung, Öl".into() } else { String::new() },
         sequence,
-        mode: if sequence % 2 == 0 { Mode::Absolute } else { Mode::Increment },
+        mode: if sequence.is_multiple_of(2) { Mode::Absolute } else { Mode::Increment },
         displacement: std::array::from_fn(|wall| 1e-7 * sequence as f64 / (wall as f64 + 3.0)),
     }
 }
@@ -100,7 +100,7 @@ fn measures(stamp: Stamp, increment: u64, contacts: u32) -> Measures {
         iterations: 17,
         residual: next(),
         solve_seconds: next(),
-        converged: increment % 2 == 0,
+        converged: increment.is_multiple_of(2),
     };
     let moduli = Moduli {
         valid: increment > 0,

@@ -16,6 +16,7 @@ const SKIP: &str = "GRAINTWIN_SKIP_PYTHON";
 ///
 /// # Panics
 /// When there is no Python 3 or the packages cannot be installed.
+#[allow(clippy::print_stdout, reason = "what is left out must be seen")]
 pub(crate) fn python() -> Option<PathBuf> {
     if std::env::var_os(SKIP).is_some_and(|value| value == "1") {
         println!("skipped: {SKIP}=1");
