@@ -1,5 +1,7 @@
 //! What a rig asks of the twin, and what became of it.
 
+pub mod gate;
+
 use serde::{Deserialize, Serialize};
 
 use crate::wall;
@@ -35,14 +37,36 @@ impl Stamp {
     }
 }
 
-/// How a command's displacement is meant.
+/// How a command's displacement is meant; the numbers are those of `graintwin_msgs/BoundaryCommand`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[repr(u8)]
+#[serde(from = "u8", into = "u8")]
 pub enum Mode {
     /// Since the start of the run.
-    Absolute = 0,
+    Absolute,
     /// On top of the last accepted target.
-    Increment = 1,
+    Increment,
+    /// A number without a meaning: such a command is refused as [`Disposition::Invalid`].
+    Unknown(u8),
+}
+
+impl From<u8> for Mode {
+    fn from(number: u8) -> Self {
+        match number {
+            0 => Self::Absolute,
+            1 => Self::Increment,
+            other => Self::Unknown(other),
+        }
+    }
+}
+
+impl From<Mode> for u8 {
+    fn from(mode: Mode) -> Self {
+        match mode {
+            Mode::Absolute => 0,
+            Mode::Increment => 1,
+            Mode::Unknown(number) => number,
+        }
+    }
 }
 
 /// One boundary command.
@@ -58,6 +82,10 @@ pub struct Command {
     pub mode: Mode,
     /// Inward displacement of each wall \[m\].
     pub displacement: [f64; wall::COUNT],
+    /// How old it was when it arrived, by the wall clock against its stamp \[s\]; `None` when
+    /// nothing says so, as for a command from a file. It is no part of what the rig asked: a
+    /// recording does not hold it.
+    pub age: Option<f64>,
 }
 
 /// What became of a command; the numbers are those of `graintwin_msgs/Report`.

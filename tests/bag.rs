@@ -57,7 +57,7 @@ fn expected(served: &Served) -> Vec<Value> {
                 "header": header(command.stamp, "pack"),
                 "session": command.session,
                 "sequence": command.sequence,
-                "mode": command.mode as u8,
+                "mode": u8::from(command.mode),
                 "displacement": command.displacement,
             }),
         ));

@@ -5,18 +5,13 @@ use super::{
     BoundaryCommand, ContactNetwork, Header, JointState, Moduli, PackState, Report, Time,
     WallForces, Wrench, WrenchStamped,
 };
-use crate::command::{Command, Mode, Stamp};
+use crate::command::{Command, Stamp};
 use crate::report::{self, Measures};
 use crate::wall;
 
 /// Most contacts in one live [`ContactNetwork`]: 56 KB, what one sample can carry without
 /// losses over a stock receive buffer.
 pub const LIVE_CHUNK: usize = 700;
-
-/// A [`BoundaryCommand`] whose mode is not one of its constants.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("command mode {0} is unknown: 0 (ABSOLUTE) or 1 (INCREMENT)")]
-pub struct UnknownMode(pub u8);
 
 impl From<Stamp> for Time {
     fn from(stamp: Stamp) -> Self {
@@ -36,28 +31,23 @@ impl From<&Command> for BoundaryCommand {
             header: pack_header(command.stamp),
             session: command.session.clone(),
             sequence: command.sequence,
-            mode: command.mode as u8,
+            mode: command.mode.into(),
             displacement: command.displacement,
         }
     }
 }
 
-impl TryFrom<BoundaryCommand> for Command {
-    type Error = UnknownMode;
-
-    fn try_from(message: BoundaryCommand) -> Result<Self, UnknownMode> {
-        let mode = match message.mode {
-            0 => Mode::Absolute,
-            1 => Mode::Increment,
-            unknown => return Err(UnknownMode(unknown)),
-        };
-        Ok(Self {
+/// A command whose age nobody has measured yet.
+impl From<BoundaryCommand> for Command {
+    fn from(message: BoundaryCommand) -> Self {
+        Self {
             stamp: message.header.stamp.into(),
             session: message.session,
             sequence: message.sequence,
-            mode,
+            mode: message.mode.into(),
             displacement: message.displacement,
-        })
+            age: None,
+        }
     }
 }
 

@@ -18,7 +18,7 @@ use std::sync::Arc;
 use items::{Item, Items};
 
 pub use commands::Commands;
-pub use error::{CommandError, ReadError};
+pub use error::ReadError;
 pub use records::Damage;
 pub use survey::{AttachmentSummary, Survey, TopicSummary};
 

@@ -46,6 +46,7 @@ fn command(sequence: u64) -> Command {
         sequence,
         mode: if sequence.is_multiple_of(2) { Mode::Absolute } else { Mode::Increment },
         displacement: std::array::from_fn(|wall| 1e-7 * sequence as f64 / (wall as f64 + 3.0)),
+        age: None,
     }
 }
 

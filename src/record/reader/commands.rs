@@ -1,7 +1,7 @@
 //! The boundary commands in a bag.
 
 use super::items::{Item, Items};
-use super::{Bag, Channel, CommandError, Message, ReadError};
+use super::{Bag, Channel, Message, ReadError};
 use crate::command::Command;
 use crate::msg::{BoundaryCommand, Described, cdr};
 
@@ -49,10 +49,8 @@ impl<'a> Commands<'a> {
             return None;
         }
         self.commands += 1;
-        let command = cdr::decode::<BoundaryCommand>(&message.data)
-            .map_err(CommandError::from)
-            .and_then(|message| Ok(message.try_into()?));
-        Some(command.map_err(|error| ReadError::Command {
+        let command = cdr::decode::<BoundaryCommand>(&message.data);
+        Some(command.map(Command::from).map_err(|error| ReadError::Command {
             path: self.bag.path.clone(),
             number: self.commands,
             error,

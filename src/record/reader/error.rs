@@ -5,7 +5,6 @@ use std::path::PathBuf;
 
 use super::Damage;
 use crate::msg::cdr::CdrError;
-use crate::msg::convert::UnknownMode;
 
 /// Why a bag could not be read.
 #[derive(Debug, thiserror::Error)]
@@ -58,7 +57,7 @@ pub enum ReadError {
         /// The topic.
         topic: String,
     },
-    /// A message does not hold a command.
+    /// A message is not the bytes of a command.
     #[error("{}: command {number}: {error}", .path.display())]
     Command {
         /// The bag.
@@ -66,17 +65,6 @@ pub enum ReadError {
         /// Which, counted from 1.
         number: u64,
         /// What is wrong with it.
-        error: CommandError,
+        error: CdrError,
     },
-}
-
-/// What is wrong with one command.
-#[derive(Debug, thiserror::Error)]
-pub enum CommandError {
-    /// It is not the bytes of one.
-    #[error(transparent)]
-    Cdr(#[from] CdrError),
-    /// Its mode is none.
-    #[error(transparent)]
-    Mode(#[from] UnknownMode),
 }
