@@ -28,7 +28,9 @@ pub(crate) fn python() -> Option<PathBuf> {
     // Test binaries run at the same time.
     let lock = File::create(home.join("lock")).expect("the target folder can be written");
     lock.lock().expect("a file can be locked");
-    let interpreter = home.join("bin").join("python");
+    // The environment has a folder of its own: making it anew empties that.
+    let environment = home.join("environment");
+    let interpreter = environment.join("bin").join("python");
     let done = home.join("installed");
     let wanted = PACKAGES.join("\n");
     if fs::read_to_string(&done).is_ok_and(|installed| installed == wanted) {
@@ -36,7 +38,7 @@ pub(crate) fn python() -> Option<PathBuf> {
     }
     // Package sources below are none of a ROS 2 workspace's.
     fs::write(home.join("COLCON_IGNORE"), "").expect("the target folder can be written");
-    must(Command::new("python3").args(["-m", "venv", "--clear"]).arg(&home));
+    must(Command::new("python3").args(["-m", "venv", "--clear"]).arg(&environment));
     must(Command::new(&interpreter).args(["-m", "pip", "install", "--quiet"]).args(PACKAGES));
     fs::write(&done, wanted).expect("the target folder can be written");
     Some(interpreter)
