@@ -8,6 +8,8 @@ pub mod model;
 pub mod msg;
 pub mod pack;
 pub mod path;
+#[cfg(feature = "mcap")]
+pub mod record;
 pub mod relax;
 pub mod report;
 pub mod scene;
