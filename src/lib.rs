@@ -3,6 +3,8 @@
 
 pub mod command;
 pub mod msg;
+#[cfg(feature = "ros")]
+pub mod node;
 pub mod pack;
 pub mod report;
 pub mod scene;
