@@ -18,6 +18,9 @@ use crate::sink::Served;
 /// of lost samples is twenty times slower than this.
 const BYTES_PER_SECOND: f64 = 20e6;
 
+/// Shortest wait worth taking, since the timer does not know a shorter one.
+const TICK: Duration = Duration::from_millis(1);
+
 /// Bytes of one contact in a message: two indices, eight floats, a state.
 const CONTACT: usize = 2 * 4 + 8 * 8 + 1;
 
@@ -77,10 +80,12 @@ pub(super) async fn send(
         let Some(measures) = &frame.served.report.measures else { continue };
         let mut whole = true;
         for chunk in convert::network_chunks(measures, LIVE_CHUNK) {
+            if free.saturating_duration_since(Instant::now()) >= TICK {
+                sleep_until(free).await;
+            }
             let seconds = bytes(chunk.first.len()) as f64 / BYTES_PER_SECOND;
-            sleep_until(free).await;
             whole &= endpoints.contact_network.publish(chunk).await;
-            free = Instant::now() + Duration::from_secs_f64(seconds);
+            free = free.max(Instant::now()) + Duration::from_secs_f64(seconds);
         }
         let counter = if whole { &counters.frames_sent } else { &counters.lost };
         counter.fetch_add(1, Ordering::Relaxed);
