@@ -59,10 +59,13 @@ use outbox::{Item, Outbox};
 use crate::msg::topics;
 use crate::scene::{self, Outputs};
 
-/// Log directives for the targets below this module that cry wolf: they log at WARN and ERROR
-/// what is expected, such as a question about a publisher that nobody subscribed to yet. They go
-/// before those of the user.
-pub const LOG_FILTER: &str = "ros2_client::node=off,rustdds::dds::pubsub=off";
+/// Log directives for the middleware, to go before those of the user. At WARN it tells, on a
+/// machine where loopback has no multicast, of every message that it then sends another way; the
+/// targets that are off do the same at ERROR, as when asked about a publisher that nobody
+/// subscribed to yet.
+pub const LOG_FILTER: &str = "ros2_client=error,ros2_client::node=off,\
+                              rustdds=error,rustdds::dds::pubsub=off,\
+                              rustdds::network::udp_listener=off";
 
 /// Threads of the node: one can be busy with a large message while the other takes commands.
 const THREADS: usize = 2;
