@@ -6,6 +6,8 @@ pub mod msg;
 #[cfg(feature = "ros")]
 pub mod node;
 pub mod pack;
+#[cfg(feature = "mcap")]
+pub mod record;
 pub mod report;
 pub mod scene;
 pub mod sink;
