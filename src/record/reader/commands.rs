@@ -50,8 +50,8 @@ impl<'a> Commands<'a> {
         }
         self.commands += 1;
         let command = cdr::decode::<BoundaryCommand>(&message.data)
-            .map_err(CommandError::from)
-            .and_then(|message| Ok(message.try_into()?));
+            .map(Command::from)
+            .map_err(CommandError::from);
         Some(command.map_err(|error| ReadError::Command {
             path: self.bag.path.clone(),
             number: self.commands,

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 
 use super::Damage;
 use crate::msg::cdr::CdrError;
-use crate::msg::convert::UnknownMode;
 
 /// Why a bag could not be read.
 #[derive(Debug, thiserror::Error)]
@@ -76,7 +75,4 @@ pub enum CommandError {
     /// It is not the bytes of one.
     #[error(transparent)]
     Cdr(#[from] CdrError),
-    /// Its mode is none.
-    #[error(transparent)]
-    Mode(#[from] UnknownMode),
 }
