@@ -87,7 +87,8 @@ impl Iterator for Commands<'_> {
     }
 }
 
-/// Whether two definitions are the same but for comments, constants and blanks.
+/// Whether two definitions are the same but for comments, constants, blanks and the texts of the
+/// standard types they are made of.
 fn same_fields(one: &str, other: &str) -> bool {
     fields(one).eq(fields(other))
 }
@@ -95,6 +96,7 @@ fn same_fields(one: &str, other: &str) -> bool {
 fn fields(definition: &str) -> impl Iterator<Item = Vec<&str>> {
     definition
         .lines()
+        .take_while(|line| !line.starts_with("===="))
         .map(|line| line.split('#').next().unwrap_or_default())
         .filter(|line| !line.trim().is_empty() && !line.contains('='))
         .map(|line| line.split_whitespace().collect())
