@@ -13,9 +13,13 @@ mod listener;
 mod made_up;
 #[path = "common/network.rs"]
 mod network;
+#[path = "common/python.rs"]
+#[allow(dead_code, reason = "what it runs for the tests of recordings")]
+mod python;
 
 use std::fs;
 use std::io::{BufRead, BufReader};
+use std::path::Path;
 use std::process::{self, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -217,14 +221,29 @@ fn sigterm_ends_a_node_in_the_middle_of_its_work() {
     });
 }
 
-fn python() -> Option<std::path::PathBuf> {
-    Some("/tmp/nodevenv/bin/python".into())
+/// Runs `body` alone with a Python that speaks CycloneDDS. The Python is made outside, where there
+/// may be a network to get it from.
+fn alone_with_peer(test: &str, body: impl FnOnce(&Path)) {
+    if let Some(python) = python::python() {
+        alone(test, Loopback::Multicast, || body(&python));
+    }
+}
+
+/// A command line that runs `tests/peer/SCRIPT`.
+fn peer(python: &Path, script: &str) -> process::Command {
+    let mut command = process::Command::new(python);
+    command.arg("-B").arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/peer").join(script));
+    command
 }
 
 /// Plays `commands` from a CycloneDDS peer to a node with a made-up twin, and has every message
 /// that the peer received compared with what was served.
-fn play_from_cyclone(commands: &[Command], twin: MadeUpTwin, in_flight: Option<usize>) {
-    let Some(python) = python() else { return };
+fn play_from_cyclone(
+    python: &Path,
+    commands: &[Command],
+    twin: MadeUpTwin,
+    in_flight: Option<usize>,
+) {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str| folder.path().join(name);
     fs::write(file("commands.json"), commands_json(commands)).unwrap();
@@ -232,10 +251,11 @@ fn play_from_cyclone(commands: &[Command], twin: MadeUpTwin, in_flight: Option<u
     let stop = flag();
     let node = start(&Outputs::default(), &stop);
     let solver = thread::spawn(move || serve(node, twin));
-    let mut peer = process::Command::new(&python);
-    peer.arg("tests/peer/play.py").args([file("commands.json"), file("received.json")]);
-    peer.args(in_flight.map(|count| format!("--in-flight={count}")));
-    let played = peer.status().unwrap();
+    let played = peer(python, "play.py")
+        .args([file("commands.json"), file("received.json")])
+        .args(in_flight.map(|count| format!("--in-flight={count}")))
+        .status()
+        .unwrap();
     stop.store(true, Ordering::Relaxed);
     let (served, summary) = solver.join().unwrap();
     println!("{summary:?}");
@@ -248,8 +268,7 @@ fn play_from_cyclone(commands: &[Command], twin: MadeUpTwin, in_flight: Option<u
         assert_same(arrived, sent);
     }
     fs::write(file("expected.json"), expected_json(&served)).unwrap();
-    let same = process::Command::new(&python)
-        .arg("tests/peer/compare.py")
+    let same = peer(python, "compare.py")
         .args([file("expected.json"), file("received.json")])
         .status()
         .unwrap();
@@ -313,7 +332,7 @@ fn expected_json(served: &[Arc<Served>]) -> String {
 #[test]
 fn a_cyclone_peer_gets_every_field_of_every_message_of_84_commands_and_the_start() {
     let name = "a_cyclone_peer_gets_every_field_of_every_message_of_84_commands_and_the_start";
-    alone(name, Loopback::Multicast, || {
+    alone_with_peer(name, |python| {
         let mut commands = path(84);
         for command in &mut commands {
             command.session = "séance 1".into();
@@ -327,14 +346,44 @@ fn a_cyclone_peer_gets_every_field_of_every_message_of_84_commands_and_the_start
         commands[31].displacement[4] = f64::INFINITY;
         commands[40].stamp = Stamp { sec: -1, nanosec: 999_999_999 };
         commands[83].sequence = u64::MAX;
-        play_from_cyclone(&commands, MadeUpTwin::new(1500), Some(4));
+        play_from_cyclone(python, &commands, MadeUpTwin::new(1500), Some(4));
     });
 }
 
 #[test]
 fn a_burst_of_2000_commands_from_a_cyclone_peer_loses_nothing_either_way() {
     let name = "a_burst_of_2000_commands_from_a_cyclone_peer_loses_nothing_either_way";
-    alone(name, Loopback::Multicast, || {
-        play_from_cyclone(&path(2000), MadeUpTwin::new(3), None);
+    alone_with_peer(name, |python| {
+        play_from_cyclone(python, &path(2000), MadeUpTwin::new(3), None);
+    });
+}
+
+#[test]
+fn a_peer_that_comes_late_gets_the_last_moduli_and_nothing_else() {
+    let name = "a_peer_that_comes_late_gets_the_last_moduli_and_nothing_else";
+    alone_with_peer(name, |python| {
+        let node = start(&Outputs::default(), &flag());
+        let mut sink = node.sink();
+        let mut twin = MadeUpTwin::new(10);
+        sink.served(&twin.start(sink.demand()));
+        for command in path(20) {
+            sink.served(&twin.apply(&command, sink.demand()));
+        }
+
+        let folder = tempfile::tempdir().unwrap();
+        let [commands, received] =
+            ["commands.json", "received.json"].map(|name| folder.path().join(name));
+        fs::write(&commands, "[]").unwrap();
+        assert!(peer(python, "play.py").args([&commands, &received]).status().unwrap().success());
+        node.stop();
+
+        let received: serde_json::Map<String, serde_json::Value> =
+            serde_json::from_reader(fs::File::open(received).unwrap()).unwrap();
+        for (topic, messages) in received {
+            let messages = messages.as_array().unwrap();
+            let last = messages.last().map(|message| message["increment"].as_u64());
+            let expected = (topic == "moduli").then_some(Some(20));
+            assert_eq!(last, expected, "{topic}");
+        }
     });
 }

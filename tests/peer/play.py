@@ -26,7 +26,7 @@ from messages import OUT, BoundaryCommand, Header, Time, dds_name, qos
 
 MATCH_SECONDS = 30
 SETTLE_SECONDS = 0.8
-QUIET_SECONDS = 1.5
+QUIET_SECONDS = 3
 ANSWER_SECONDS = 120
 
 
