@@ -13,6 +13,8 @@ mod listener;
 mod made_up;
 #[path = "common/network.rs"]
 mod network;
+#[path = "common/peer.rs"]
+mod peer;
 #[path = "common/python.rs"]
 #[allow(dead_code, reason = "what it runs for the tests of recordings")]
 mod python;
@@ -27,16 +29,16 @@ use std::thread;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use graintwin::command::{Command, Mode, Stamp};
-use graintwin::msg::{self, convert, topics};
+use graintwin::msg::{self, topics};
 use graintwin::node::rig::Rig;
 use graintwin::node::{Node, Summary};
-use graintwin::report::{Demand, Measures};
+use graintwin::report::Demand;
 use graintwin::scene::{self, Outputs, When};
 use graintwin::sink::{Served, Sink};
-use graintwin::wall;
 use listener::Listener;
 use made_up::MadeUpTwin;
-use network::{Loopback, alone};
+use network::{Loopback, alone, name_of};
+use peer::alone_with_peer;
 
 /// Serves commands until they end, as the program does; returns everything that was served.
 fn serve(mut node: Node, mut twin: MadeUpTwin) -> (Vec<Arc<Served>>, Summary) {
@@ -83,85 +85,93 @@ fn wait_until(what: &str, mut ready: impl FnMut() -> bool) {
 
 #[test]
 fn the_virtual_rig_plays_its_path_over_a_plain_loopback_and_ends_the_run() {
-    let name = "the_virtual_rig_plays_its_path_over_a_plain_loopback_and_ends_the_run";
-    alone(name, Loopback::Plain, || {
-        let stop = flag();
-        let node = start(&Outputs::default(), &stop);
-        let path = path(2000);
-        let rig = Rig::start(&scene::Node::default(), path.clone(), node.end_of_commands(), &stop)
-            .unwrap();
-        let (served, summary) = serve(node, MadeUpTwin::new(100));
-        let played = rig.join().unwrap();
-        println!("{played:?} {summary:?}");
-        assert_eq!((played.sent, played.answered), (path.len(), path.len()));
-        assert_eq!(summary.commands, path.len() as u64);
-        assert!(!summary.data_lost());
-        let commands: Vec<Command> = served
-            .iter()
-            .filter_map(|served| served.command.clone())
-            .map(|command| Command { age: None, ..command })
-            .collect();
-        assert_eq!(commands, path);
-    });
+    alone(
+        the_virtual_rig_plays_its_path_over_a_plain_loopback_and_ends_the_run,
+        Loopback::Plain,
+        || {
+            let stop = flag();
+            let node = start(&Outputs::default(), &stop);
+            let path = path(2000);
+            let rig =
+                Rig::start(&scene::Node::default(), path.clone(), node.end_of_commands(), &stop)
+                    .unwrap();
+            let (served, summary) = serve(node, MadeUpTwin::new(100));
+            let played = rig.join().unwrap();
+            println!("{played:?} {summary:?}");
+            assert_eq!((played.sent, played.answered), (path.len(), path.len()));
+            assert_eq!(summary.commands, path.len() as u64);
+            assert!(!summary.data_lost());
+            let commands: Vec<Command> = served
+                .iter()
+                .filter_map(|served| served.command.clone())
+                .map(|command| Command { age: None, ..command })
+                .collect();
+            assert_eq!(commands, path);
+        },
+    );
 }
 
 #[test]
 fn without_a_subscriber_only_the_first_equilibrium_and_the_latched_moduli_are_asked_for() {
-    let name =
-        "without_a_subscriber_only_the_first_equilibrium_and_the_latched_moduli_are_asked_for";
-    alone(name, Loopback::Plain, || {
-        let ask = |contact_network| {
-            let stop = flag();
-            let node = start(&Outputs { contact_network, ..Outputs::default() }, &stop);
-            let mut sink = node.sink();
-            let first = sink.demand();
-            sink.served(&MadeUpTwin::new(10).start(first));
-            let later = sink.demand();
-            let summary = node.stop();
-            assert!(!summary.data_lost(), "{summary:?}");
-            assert_eq!(summary.frames + summary.frames_skipped, 0, "{summary:?}");
-            (first, later)
-        };
-        let only_moduli = Demand { moduli: true, ..Demand::default() };
-        assert_eq!(ask(When::OnDemand), (Demand::ALL, only_moduli));
-        let and_network = Demand { contact_network: true, ..only_moduli };
-        assert_eq!(ask(When::Always), (Demand::ALL, and_network));
-        let no_network = Demand { contact_network: false, ..Demand::ALL };
-        assert_eq!(ask(When::Never), (no_network, only_moduli));
-    });
+    alone(
+        without_a_subscriber_only_the_first_equilibrium_and_the_latched_moduli_are_asked_for,
+        Loopback::Plain,
+        || {
+            let ask = |contact_network| {
+                let stop = flag();
+                let node = start(&Outputs { contact_network, ..Outputs::default() }, &stop);
+                let mut sink = node.sink();
+                let first = sink.demand();
+                sink.served(&MadeUpTwin::new(10).start(first));
+                let later = sink.demand();
+                let summary = node.stop();
+                assert!(!summary.data_lost(), "{summary:?}");
+                assert_eq!(summary.frames + summary.frames_skipped, 0, "{summary:?}");
+                (first, later)
+            };
+            let only_moduli = Demand { moduli: true, ..Demand::default() };
+            assert_eq!(ask(When::OnDemand), (Demand::ALL, only_moduli));
+            let and_network = Demand { contact_network: true, ..only_moduli };
+            assert_eq!(ask(When::Always), (Demand::ALL, and_network));
+            let no_network = Demand { contact_network: false, ..Demand::ALL };
+            assert_eq!(ask(When::Never), (no_network, only_moduli));
+        },
+    );
 }
 
 #[test]
 fn contact_networks_that_the_network_cannot_carry_are_skipped_and_counted() {
-    let name = "contact_networks_that_the_network_cannot_carry_are_skipped_and_counted";
-    alone(name, Loopback::Plain, || {
-        const FRAMES: u64 = 100;
-        let stop = flag();
-        let node = start(&Outputs::default(), &stop);
-        let listener = Listener::<msg::ContactNetwork>::new(&topics::CONTACT_NETWORK);
-        let mut sink = node.sink();
-        let mut twin = MadeUpTwin::new(30_000);
-        sink.served(&twin.start(Demand::default()));
-        wait_until("the subscriber is seen", || sink.demand().contact_network);
-        let served = twin.apply(&path(1)[0], sink.demand());
-        for _ in 0..FRAMES {
-            sink.served(&served);
-        }
-        stop.store(true, Ordering::Relaxed);
-        let summary = node.stop();
-        drop(listener);
-        println!("{summary:?}");
-        assert_eq!(summary.frames + summary.frames_skipped, FRAMES);
-        assert!(summary.frames > 0 && summary.frames_skipped > 0);
-        assert!(!summary.data_lost());
-    });
+    alone(
+        contact_networks_that_the_network_cannot_carry_are_skipped_and_counted,
+        Loopback::Plain,
+        || {
+            const FRAMES: u64 = 100;
+            let stop = flag();
+            let node = start(&Outputs::default(), &stop);
+            let listener = Listener::<msg::ContactNetwork>::new(&topics::CONTACT_NETWORK);
+            let mut sink = node.sink();
+            let mut twin = MadeUpTwin::new(30_000);
+            sink.served(&twin.start(Demand::default()));
+            wait_until("the subscriber is seen", || sink.demand().contact_network);
+            let served = twin.apply(&path(1)[0], sink.demand());
+            for _ in 0..FRAMES {
+                sink.served(&served);
+            }
+            stop.store(true, Ordering::Relaxed);
+            let summary = node.stop();
+            drop(listener);
+            println!("{summary:?}");
+            assert_eq!(summary.frames + summary.frames_skipped, FRAMES);
+            assert!(summary.frames > 0 && summary.frames_skipped > 0);
+            assert!(!summary.data_lost());
+        },
+    );
 }
 
 #[test]
 fn subscribers_see_a_stopped_node_leave_long_before_its_lease_ends() {
     const LEASE: Duration = Duration::from_secs(50);
-    let name = "subscribers_see_a_stopped_node_leave_long_before_its_lease_ends";
-    alone(name, Loopback::Plain, || {
+    alone(subscribers_see_a_stopped_node_leave_long_before_its_lease_ends, Loopback::Plain, || {
         let node = start(&Outputs::default(), &flag());
         let listener = Listener::<msg::Report>::new(&topics::REPORT);
         wait_until("the node is seen", || listener.publishers() == 1);
@@ -175,7 +185,6 @@ fn subscribers_see_a_stopped_node_leave_long_before_its_lease_ends() {
 
 #[test]
 fn sigterm_ends_a_node_in_the_middle_of_its_work() {
-    let name = "sigterm_ends_a_node_in_the_middle_of_its_work";
     const ROLE: &str = "GRAINTWIN_TEST_ROLE";
     if std::env::var_os(ROLE).is_some() {
         let stop = flag();
@@ -201,9 +210,13 @@ fn sigterm_ends_a_node_in_the_middle_of_its_work() {
         println!("ended {:?} after the last command", stopping.elapsed());
         return;
     }
-    alone(name, Loopback::Plain, || {
+    alone(sigterm_ends_a_node_in_the_middle_of_its_work, Loopback::Plain, || {
         let mut program = process::Command::new(std::env::current_exe().unwrap())
-            .args(["--exact", name, "--nocapture"])
+            .args([
+                "--exact",
+                name_of(&sigterm_ends_a_node_in_the_middle_of_its_work),
+                "--nocapture",
+            ])
             .env(ROLE, "node")
             .stderr(Stdio::piped())
             .spawn()
@@ -213,27 +226,18 @@ fn sigterm_ends_a_node_in_the_middle_of_its_work() {
         let pid = program.id().to_string();
         assert!(process::Command::new("kill").args(["-TERM", &pid]).status().unwrap().success());
         let mut status = None;
-        wait_until("the program ended", || {
+        for _ in 0..60 * 100 {
             status = program.try_wait().unwrap();
-            status.is_some()
-        });
-        assert!(status.unwrap().success());
+            if status.is_some() {
+                break;
+            }
+            thread::sleep(Duration::from_millis(10));
+        }
+        if status.is_none() {
+            program.kill().unwrap();
+        }
+        assert!(status.expect("it ends within a minute").success());
     });
-}
-
-/// Runs `body` alone with a Python that speaks CycloneDDS. The Python is made outside, where there
-/// may be a network to get it from.
-fn alone_with_peer(test: &str, body: impl FnOnce(&Path)) {
-    if let Some(python) = python::python() {
-        alone(test, Loopback::Multicast, || body(&python));
-    }
-}
-
-/// A command line that runs `tests/peer/SCRIPT`.
-fn peer(python: &Path, script: &str) -> process::Command {
-    let mut command = process::Command::new(python);
-    command.arg("-B").arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/peer").join(script));
-    command
 }
 
 /// Plays `commands` from a CycloneDDS peer to a node with a made-up twin, and has every message
@@ -245,21 +249,14 @@ fn play_from_cyclone(
     in_flight: Option<usize>,
 ) {
     let folder = tempfile::tempdir().unwrap();
-    let file = |name: &str| folder.path().join(name);
-    fs::write(file("commands.json"), commands_json(commands)).unwrap();
-
     let stop = flag();
     let node = start(&Outputs::default(), &stop);
     let solver = thread::spawn(move || serve(node, twin));
-    let played = peer(python, "play.py")
-        .args([file("commands.json"), file("received.json")])
-        .args(in_flight.map(|count| format!("--in-flight={count}")))
-        .status()
-        .unwrap();
+    let played = peer::start(python, folder.path(), commands, in_flight).wait().unwrap();
     stop.store(true, Ordering::Relaxed);
     let (served, summary) = solver.join().unwrap();
     println!("{summary:?}");
-    assert!(played.success(), "{summary:?}");
+    assert!(played.success());
     assert!(!summary.data_lost() && summary.frames_skipped == 0, "{summary:?}");
 
     let arrived: Vec<&Command> = served.iter().filter_map(|one| one.command.as_ref()).collect();
@@ -267,12 +264,7 @@ fn play_from_cyclone(
     for (arrived, sent) in arrived.iter().zip(commands) {
         assert_same(arrived, sent);
     }
-    fs::write(file("expected.json"), expected_json(&served)).unwrap();
-    let same = peer(python, "compare.py")
-        .args([file("expected.json"), file("received.json")])
-        .status()
-        .unwrap();
-    assert!(same.success());
+    peer::compare(python, folder.path(), &served, &[]);
 }
 
 /// Every field bit by bit, and an age that fits the clock.
@@ -286,82 +278,42 @@ fn assert_same(arrived: &Command, sent: &Command) {
     assert!((0.0..600.0).contains(&(now - sent.stamp.seconds() - age)), "{age}");
 }
 
-/// The commands for the peer; floats as text, since JSON has no NaN.
-fn commands_json(commands: &[Command]) -> String {
-    let all: Vec<serde_json::Value> = commands
-        .iter()
-        .map(|command| {
-            let Stamp { sec, nanosec } = command.stamp;
-            serde_json::json!({
-                "header": {"stamp": {"sec": sec, "nanosec": nanosec}, "frame_id": "pack"},
-                "session": command.session,
-                "sequence": command.sequence,
-                "mode": u8::from(command.mode),
-                "displacement": command.displacement.map(|value| format!("{value:?}")),
-            })
-        })
-        .collect();
-    serde_json::to_string(&all).unwrap()
-}
-
-/// Every message that should have come out, topic by topic.
-fn expected_json(served: &[Arc<Served>]) -> String {
-    let measures: Vec<&Measures> =
-        served.iter().filter_map(|one| one.report.measures.as_ref()).collect();
-    let mut topics = serde_json::Map::new();
-    let mut topic = |name: &str, messages: serde_json::Value| {
-        topics.insert(name.to_owned(), messages);
-    };
-    fn json<M: serde::Serialize>(messages: impl Iterator<Item = M>) -> serde_json::Value {
-        serde_json::to_value(messages.collect::<Vec<M>>()).unwrap()
-    }
-    let all = || measures.iter().copied();
-    topic("report", json(served.iter().map(|one| msg::Report::from(&one.report))));
-    topic("wall_forces", json(all().map(convert::wall_forces)));
-    for (wall, name) in wall::NAMES.iter().enumerate() {
-        let wrenches = all().map(|measures| convert::wall_wrench(measures, wall));
-        topic(&format!("wall/{name}/wrench"), json(wrenches));
-    }
-    topic("wall_states", json(all().map(convert::wall_states)));
-    topic("state", json(all().filter_map(convert::pack_state)));
-    topic("moduli", json(all().filter_map(convert::moduli)));
-    topic("contact_network", json(all().filter_map(convert::whole_network)));
-    serde_json::to_string(&topics).unwrap()
-}
-
 #[test]
 fn a_cyclone_peer_gets_every_field_of_every_message_of_84_commands_and_the_start() {
-    let name = "a_cyclone_peer_gets_every_field_of_every_message_of_84_commands_and_the_start";
-    alone_with_peer(name, |python| {
-        let mut commands = path(84);
-        for command in &mut commands {
-            command.session = "séance 1".into();
-            command.displacement[1] *= -1.0 / 3.0;
-        }
-        commands[10].displacement =
-            [-0.0, f64::MIN_POSITIVE / 3.0, f64::MAX, f64::MIN, 1e-300, 0.1];
-        commands[20].mode = Mode::Increment;
-        commands[21].mode = Mode::Unknown(7);
-        commands[30].displacement[3] = f64::NAN;
-        commands[31].displacement[4] = f64::INFINITY;
-        commands[40].stamp = Stamp { sec: -1, nanosec: 999_999_999 };
-        commands[83].sequence = u64::MAX;
-        play_from_cyclone(python, &commands, MadeUpTwin::new(1500), Some(4));
-    });
+    alone_with_peer(
+        a_cyclone_peer_gets_every_field_of_every_message_of_84_commands_and_the_start,
+        |python| {
+            let mut commands = path(84);
+            for command in &mut commands {
+                command.session = "séance 1".into();
+                command.displacement[1] *= -1.0 / 3.0;
+            }
+            commands[10].displacement =
+                [-0.0, f64::MIN_POSITIVE / 3.0, f64::MAX, f64::MIN, 1e-300, 0.1];
+            commands[20].mode = Mode::Increment;
+            commands[21].mode = Mode::Unknown(7);
+            commands[30].displacement[3] = f64::NAN;
+            commands[31].displacement[4] = f64::INFINITY;
+            commands[40].stamp = Stamp { sec: -1, nanosec: 999_999_999 };
+            commands[83].sequence = u64::MAX;
+            play_from_cyclone(python, &commands, MadeUpTwin::new(1500), Some(4));
+        },
+    );
 }
 
 #[test]
 fn a_burst_of_2000_commands_from_a_cyclone_peer_loses_nothing_either_way() {
-    let name = "a_burst_of_2000_commands_from_a_cyclone_peer_loses_nothing_either_way";
-    alone_with_peer(name, |python| {
-        play_from_cyclone(python, &path(2000), MadeUpTwin::new(3), None);
-    });
+    alone_with_peer(
+        a_burst_of_2000_commands_from_a_cyclone_peer_loses_nothing_either_way,
+        |python| {
+            play_from_cyclone(python, &path(2000), MadeUpTwin::new(3), None);
+        },
+    );
 }
 
 #[test]
 fn a_peer_that_comes_late_gets_the_last_moduli_and_nothing_else() {
-    let name = "a_peer_that_comes_late_gets_the_last_moduli_and_nothing_else";
-    alone_with_peer(name, |python| {
+    alone_with_peer(a_peer_that_comes_late_gets_the_last_moduli_and_nothing_else, |python| {
         let node = start(&Outputs::default(), &flag());
         let mut sink = node.sink();
         let mut twin = MadeUpTwin::new(10);
@@ -371,14 +323,12 @@ fn a_peer_that_comes_late_gets_the_last_moduli_and_nothing_else() {
         }
 
         let folder = tempfile::tempdir().unwrap();
-        let [commands, received] =
-            ["commands.json", "received.json"].map(|name| folder.path().join(name));
-        fs::write(&commands, "[]").unwrap();
-        assert!(peer(python, "play.py").args([&commands, &received]).status().unwrap().success());
+        assert!(peer::start(python, folder.path(), &[], None).wait().unwrap().success());
         node.stop();
 
+        let file = fs::File::open(peer::received(folder.path())).unwrap();
         let received: serde_json::Map<String, serde_json::Value> =
-            serde_json::from_reader(fs::File::open(received).unwrap()).unwrap();
+            serde_json::from_reader(file).unwrap();
         for (topic, messages) in received {
             let messages = messages.as_array().unwrap();
             let last = messages.last().map(|message| message["increment"].as_u64());
@@ -386,4 +336,36 @@ fn a_peer_that_comes_late_gets_the_last_moduli_and_nothing_else() {
             assert_eq!(last, expected, "{topic}");
         }
     });
+}
+
+#[test]
+fn a_killed_subscriber_holds_messages_up_but_not_the_end_and_what_it_cost_is_counted() {
+    alone_with_peer(
+        a_killed_subscriber_holds_messages_up_but_not_the_end_and_what_it_cost_is_counted,
+        |python| {
+            let stop = flag();
+            let node = start(&Outputs::default(), &stop);
+            let mut sink = node.sink();
+            let mut twin = MadeUpTwin::new(0);
+            sink.served(&twin.start(Demand::default()));
+
+            let folder = tempfile::tempdir().unwrap();
+            let mut subscriber = peer::start(python, folder.path(), &[], None);
+            wait_until("the subscriber is seen", || sink.demand().state);
+            subscriber.kill().unwrap();
+            subscriber.wait().unwrap();
+
+            // More than the window of unacknowledged samples.
+            let commands = path(10_000);
+            for command in &commands {
+                sink.served(&twin.apply(command, Demand::default()));
+            }
+            stop.store(true, Ordering::Relaxed);
+            let summary = node.stop();
+            println!("{summary:?}");
+            assert!(summary.lost > 0 && summary.data_lost(), "{summary:?}");
+            let queued = (1 + commands.len() as u64) * 9;
+            assert_eq!(summary.published + summary.lost, queued);
+        },
+    );
 }

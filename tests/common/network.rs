@@ -1,6 +1,5 @@
 //! A network that no other program is on, for tests that speak DDS.
 
-use std::io::{self, Write};
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -19,12 +18,13 @@ pub(crate) enum Loopback {
 /// Runs `body` where nothing else speaks DDS: in a network namespace, or, where those are
 /// forbidden, in a DDS domain that nobody else uses and over loopback only.
 ///
-/// The test program starts itself again inside, for the one test `test`, whose body then runs.
-pub(crate) fn alone(test: &str, loopback: Loopback, body: impl FnOnce()) {
+/// The test program starts itself again inside, for the one function `test`, whose body then runs.
+pub(crate) fn alone<T: Fn()>(test: T, loopback: Loopback, body: impl FnOnce()) {
     if std::env::var_os(INSIDE).is_some() {
         body();
         return;
     }
+    let name = name_of(&test);
     let program = std::env::current_exe().expect("a running program has a path");
     let mut command = match namespace_flag() {
         Some(flag) => {
@@ -46,20 +46,26 @@ pub(crate) fn alone(test: &str, loopback: Loopback, body: impl FnOnce()) {
         }
     };
     let output = command
-        .arg(test)
+        .arg(name)
         .env(INSIDE, "1")
         .stdin(Stdio::null())
         .output()
         .expect("unshare or sh can be started");
+    let said = String::from_utf8_lossy(&output.stdout);
     // Through the test's own capture, so that it shows only when the test fails.
-    print!("{}", String::from_utf8_lossy(&output.stdout));
-    io::stdout().flush().expect("standard output can be written");
+    println!("{said}");
     assert!(
-        output.status.success(),
+        output.status.success() && said.contains("1 passed"),
         "in its own network: {}\n{}",
         output.status,
         String::from_utf8_lossy(&output.stderr)
     );
+}
+
+/// The name of a function as the test program knows it.
+pub(crate) fn name_of<T: Fn()>(_: &T) -> &'static str {
+    let path = std::any::type_name::<T>();
+    path.split_once("::").map_or(path, |(_, name)| name)
 }
 
 /// The flag with which this user can make a network namespace.
