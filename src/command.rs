@@ -1,5 +1,7 @@
 //! What a rig asks of the twin, and what became of it.
 
+pub mod gate;
+
 use serde::{Deserialize, Serialize};
 
 use crate::wall;

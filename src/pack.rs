@@ -1,6 +1,19 @@
 //! The specimen: grains with their properties, and the box they are in.
 
+mod build;
+mod coincident;
+mod csv;
+mod error;
+pub mod generate;
+pub mod properties;
+
+use std::path::{Path, PathBuf};
+
 use crate::wall::Bounds;
+
+pub use build::build;
+pub use csv::{Columns, Constants, PackFile, PackRow, read, save};
+pub use error::PackError;
 
 /// One grain's constants and position.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,4 +39,25 @@ pub struct Pack {
     pub bounds: Bounds,
     /// The grains, in the order of the pack file.
     pub grains: Vec<Grain>,
+}
+
+impl Pack {
+    /// The grains that lie wholly inside `bounds`, which becomes the box (HZ-15). None may be left.
+    #[must_use]
+    pub fn cut(&self, bounds: &Bounds) -> Self {
+        let inside = |grain: &&Grain| {
+            (0..3).all(|axis| {
+                grain.position[axis] - grain.radius >= bounds.min[axis]
+                    && grain.position[axis] + grain.radius <= bounds.max[axis]
+            })
+        };
+        let grains = self.grains.iter().filter(inside).copied().collect();
+        Self { bounds: *bounds, grains }
+    }
+}
+
+/// The file with the box of a pack: `PACK.json` beside `PACK.csv`.
+#[must_use]
+pub fn box_file(csv: &Path) -> PathBuf {
+    csv.with_extension("json")
 }

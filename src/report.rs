@@ -109,7 +109,7 @@ pub struct PackState {
     pub iterations: u32,
     /// Residual of the equilibrium, relative to the mean contact force.
     pub residual: f64,
-    /// Wall-clock time of the increment \[s\].
+    /// Wall-clock time of the increment \[s\]; the twin has no clock, whoever serves it fills this in.
     pub solve_seconds: f64,
     /// Whether the residual is below the tolerance.
     pub converged: bool,

@@ -1,43 +1,280 @@
 //! The one door: [`Twin::apply`] takes a command and returns a report.
 
-use crate::command::Command;
-use crate::pack::Pack;
-use crate::report::{Demand, Report};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use crate::command::gate::{Decision, Gate};
+use crate::command::{Command, Disposition, Stamp};
+use crate::measure::contacts::Contacts;
+use crate::measure::coordination::{self, Histograms};
+use crate::measure::{moduli, network, porosity, stress, walls};
+use crate::model::{Model, sphere_volume};
+use crate::pack::{Grain, Pack};
+use crate::relax::advance::{Advance, advance};
+use crate::relax::{Outcome, Status, Workspace, relax};
+use crate::report::{Demand, Measures, Moduli, PackState, Report};
 use crate::scene::Scene;
+use crate::state::State;
 
 /// Why a twin could not be made.
 #[derive(Debug, thiserror::Error)]
 pub enum TwinError {
-    /// The pack cannot be simulated.
-    #[error("{0}")]
-    Pack(String),
+    /// No grain.
+    #[error("the pack has no grains: at least one is needed")]
+    Empty,
+    /// The operating system gave no threads.
+    #[error("cannot start {threads} solver threads: {source}")]
+    Threads {
+        /// Threads asked for.
+        threads: usize,
+        /// The reason.
+        source: rayon::ThreadPoolBuildError,
+    },
 }
 
 /// The digital twin of one specimen.
 #[derive(Debug)]
 pub struct Twin {
-    pack: Pack,
+    model: Model,
+    state: State,
+    work: Workspace,
+    pool: ThreadPool,
+    gate: Gate,
+    increment: u64,
+    /// How the present state was reached.
+    outcome: Outcome,
+    /// Normal stress \[Pa\] and engineering strain at the last equilibrium.
+    stress_strain: ([f64; 3], [f64; 3]),
 }
 
 impl Twin {
-    /// A twin of `pack` under the laws, walls and solver of `scene`, working on `threads` threads.
+    /// A twin of `pack` under the walls, laws and solver of `scene`, working on `threads` threads
+    /// (0 = one a core). The bits of its answers do not depend on `threads`.
     ///
     /// # Errors
-    /// When the pack cannot be simulated.
-    pub fn new(scene: &Scene, pack: Pack, threads: usize) -> Result<Self, TwinError> {
-        let _ = (scene, threads);
-        Ok(Self { pack })
+    /// When the pack is empty or the threads cannot be started.
+    pub fn new(scene: &Scene, pack: &Pack, threads: usize) -> Result<Self, TwinError> {
+        if pack.grains.is_empty() {
+            return Err(TwinError::Empty);
+        }
+        let pool = ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .thread_name(|k| format!("solver-{k}"))
+            .build()
+            .map_err(|source| TwinError::Threads { threads, source })?;
+        let model = Model::new(pack, scene);
+        Ok(Self {
+            state: State::new(&model),
+            work: Workspace::new(&model),
+            gate: Gate::new(pack.bounds, scene.node.stale_after),
+            pool,
+            increment: 0,
+            outcome: Outcome::NONE,
+            stress_strain: ([0.0; 3], [0.0; 3]),
+            model,
+        })
     }
 
-    /// Relaxes the pack as it was given: increment 0.
+    /// Relaxes the pack as it was given: increment 0. The report tells whether it was in
+    /// equilibrium; when none is found the disposition is [`Disposition::NotConverged`].
     pub fn start(&mut self, demand: Demand) -> Report {
-        let _ = demand;
-        unreachable!("not yet: {}", self.pack.grains.len())
+        let given = self.state.clone();
+        let Self { model, state, work, pool, .. } = self;
+        let outcome = pool.install(|| relax(model, state, work));
+        self.outcome = outcome;
+        let mut report = Report {
+            stamp: Stamp::default(),
+            session: String::new(),
+            sequence: 0,
+            increment: 0,
+            disposition: Disposition::Applied,
+            substeps: 0,
+            text: String::new(),
+            measures: None,
+        };
+        if !outcome.status.is_equilibrium() {
+            self.state = given;
+            report.disposition = Disposition::NotConverged;
+            report.text = format!("the pack as given: {}", self.explain(&outcome));
+            return report;
+        }
+        self.state.initial_energy = outcome.sums.energy;
+        report.text = match (outcome.status, outcome.iterations) {
+            (Status::Unjammed, _) => UNJAMMED.into(),
+            (_, 0) => String::new(),
+            (_, steps) => {
+                format!("the pack was not in equilibrium: relaxed in {steps} Newton steps")
+            }
+        };
+        report.substeps = u32::from(outcome.iterations > 0);
+        let reached =
+            Advance { outcome, substeps: report.substeps, iterations: outcome.iterations };
+        report.measures = Some(self.measure(Stamp::default(), &reached, demand));
+        report
     }
 
     /// Serves one command.
     pub fn apply(&mut self, command: &Command, demand: Demand) -> Report {
-        let _ = (command, demand);
-        unreachable!("not yet")
+        let mut report = Report {
+            stamp: command.stamp,
+            session: command.session.clone(),
+            sequence: command.sequence,
+            increment: self.increment,
+            disposition: Disposition::Applied,
+            substeps: 0,
+            text: String::new(),
+            measures: None,
+        };
+        let target = match self.gate.decide(command) {
+            Decision::Serve(target, text) => {
+                report.text = text;
+                target
+            }
+            Decision::Repeat => return self.repeat(report),
+            Decision::Refuse(disposition, text) => {
+                if disposition == Disposition::Limit {
+                    self.gate.served(command, None, &report);
+                }
+                return Report { disposition, text, ..report };
+            }
+        };
+        let here = self.outcome;
+        let Self { model, state, work, pool, .. } = self;
+        let reached = pool.install(|| advance(model, state, work, &target, here));
+        report.substeps = reached.substeps;
+        if !reached.outcome.status.is_equilibrium() {
+            report.disposition = Disposition::NotConverged;
+            report.text = self.explain(&reached.outcome);
+            self.gate.served(command, None, &report);
+            return report;
+        }
+        self.outcome = reached.outcome;
+        self.increment += 1;
+        report.increment = self.increment;
+        if reached.outcome.status == Status::Unjammed {
+            report.text = join(&report.text, UNJAMMED);
+        }
+        self.gate.served(command, Some(target), &report);
+        report.measures = Some(self.measure(command.stamp, &reached, demand));
+        report
     }
+
+    /// The answer to a command that was served before.
+    fn repeat(&self, report: Report) -> Report {
+        match self.gate.last_report() {
+            Some(last) => Report {
+                disposition: Disposition::Duplicate,
+                text: join(&format!("served before: {:?}", last.disposition), &last.text),
+                ..last.clone()
+            },
+            None => report,
+        }
+    }
+
+    /// One sentence about a relaxation that failed.
+    fn explain(&self, outcome: &Outcome) -> String {
+        let tolerance = self.model.solver.tolerance;
+        let residual = outcome.residual;
+        match outcome.status {
+            Status::MaxIterations => format!(
+                "no equilibrium in {} Newton steps: residual {residual:.1e}, {tolerance:.1e} asked",
+                outcome.iterations
+            ),
+            Status::Stalled => format!(
+                "no step descends any more at residual {residual:.1e}, {tolerance:.1e} asked: \
+                 rounding allows no less"
+            ),
+            Status::NonFinite => "a force or position is not finite".into(),
+            Status::Converged | Status::Unjammed => String::new(),
+        }
+    }
+
+    fn measure(&mut self, stamp: Stamp, reached: &Advance, demand: Demand) -> Measures {
+        let Self { model, state, work, .. } = self;
+        let bounds = state.bounds(model);
+        work.neighbours.refresh(model, &state.position, &bounds);
+        let contacts = Contacts::of(model, state, &work.neighbours);
+        let wall_forces = walls::forces(model, state, &contacts.list);
+        let stress = stress::from_walls(&wall_forces, &bounds);
+        let strain = stress::engineering_strain(&bounds, &model.reference);
+        let normal = [stress[(0, 0)], stress[(1, 1)], stress[(2, 2)]];
+        let before = std::mem::replace(&mut self.stress_strain, (normal, strain));
+        let moduli = demand.moduli.then(|| {
+            if self.increment == 0 {
+                return Moduli::UNKNOWN;
+            }
+            let change = |now: [f64; 3], then: [f64; 3]| std::array::from_fn(|k| now[k] - then[k]);
+            let mass: f64 = model.grains.iter().map(|g| g.density * sphere_volume(g.radius)).sum();
+            let density = mass / bounds.volume();
+            moduli::secant(change(normal, before.0), change(strain, before.1), density)
+        });
+        let state = demand.state.then(|| {
+            let numbers = coordination::numbers(model, contacts.counted());
+            let love_weber = stress::from_contacts(&contacts.list, &bounds);
+            let stored_energy = reached.outcome.sums.energy;
+            PackState {
+                strain,
+                natural_strain: stress::natural_strain(&bounds, &model.reference),
+                stress_walls: row_major(&stress),
+                stress_contacts: row_major(&love_weber),
+                confining_stress: stress.trace() / 3.0,
+                deviatoric_stress: normal[2] - 0.5 * (normal[0] + normal[1]),
+                porosity: porosity::porosity(model, &contacts.list, &bounds),
+                coordination_number: f64::from(numbers.iter().sum::<u32>()) / model.len() as f64,
+                sliding_ratio: 0.0,
+                stored_energy,
+                wall_work: state.wall_work,
+                dissipated_energy: state.wall_work - (stored_energy - state.initial_energy),
+                contacts: contacts.counted().count() as u32,
+                rattlers: numbers.iter().filter(|&&number| number == 0).count() as u32,
+                iterations: reached.iterations,
+                residual: reached.outcome.residual,
+                solve_seconds: 0.0,
+                converged: true,
+            }
+        });
+        Measures {
+            stamp,
+            increment: self.increment,
+            walls: wall_forces,
+            state,
+            moduli,
+            network: demand
+                .contact_network
+                .then(|| network::network(&self.model, contacts.counted())),
+        }
+    }
+
+    /// Histograms of the coordination number now (T fig. 2.6).
+    #[must_use]
+    pub fn coordination(&mut self) -> Histograms {
+        let Self { model, state, work, .. } = self;
+        work.neighbours.refresh(model, &state.position, &state.bounds(model));
+        let contacts = Contacts::of(model, state, &work.neighbours);
+        let numbers = coordination::numbers(model, contacts.counted());
+        coordination::histograms(model, state, &numbers)
+    }
+
+    /// The specimen as it is now, in the order of the pack file.
+    #[must_use]
+    pub fn pack(&self) -> Pack {
+        let mut grains = self.model.grains.clone();
+        for (k, &order) in self.model.order.iter().enumerate() {
+            let position = self.state.position[k].into();
+            grains[order as usize] = Grain { position, ..self.model.grains[k] };
+        }
+        Pack { bounds: self.state.bounds(&self.model), grains }
+    }
+}
+
+const UNJAMMED: &str = "no grain carries load";
+
+fn join(first: &str, second: &str) -> String {
+    match (first, second) {
+        ("", only) | (only, "") => only.into(),
+        (first, second) => format!("{first}; {second}"),
+    }
+}
+
+fn row_major(m: &nalgebra::Matrix3<f64>) -> [f64; 9] {
+    std::array::from_fn(|k| m[(k / 3, k % 3)])
 }

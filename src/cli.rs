@@ -1,0 +1,104 @@
+//! The command line. Results go to stdout, everything else to stderr.
+
+mod check;
+mod completions;
+mod failure;
+mod generate;
+mod log;
+pub(crate) mod output;
+mod progress;
+mod run;
+mod serve;
+mod specimen;
+mod stop;
+mod summary;
+
+use std::path::Path;
+
+use clap::{ArgAction, Parser, Subcommand};
+
+use graintwin::scene::{self, Loaded};
+
+pub(crate) use failure::{Failure, Outcome};
+
+/// A digital twin of a granular specimen in a lab loading rig.
+///
+/// The specimen is a box of elastic grains between six rigid-body walls. Each command moves the
+/// walls; the twin finds the new equilibrium and answers with wall forces, stresses and moduli.
+/// Units are SI (m, N, Pa, s); compression is positive.
+#[derive(Debug, Parser)]
+#[command(
+    name = "graintwin",
+    version = version(),
+    propagate_version = true,
+    after_long_help = "Exit codes: 0 done; 1 failure; 2 wrong arguments or input file; \
+                       3 finished, but a command was refused or data was lost.\n\n\
+                       Results go to stdout, messages and progress to stderr. RUST_LOG, when set, \
+                       takes the place of -v and -q."
+)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    verb: Verb,
+
+    /// Says more on stderr; twice for every detail.
+    #[arg(short, long, global = true, action = ArgAction::Count, conflicts_with = "quiet")]
+    verbose: u8,
+
+    /// Says errors only, and shows no progress.
+    #[arg(short, long, global = true)]
+    quiet: bool,
+
+    /// Threads of the solver [default: one a core]. Results do not depend on it.
+    #[arg(long, global = true, value_name = "N")]
+    #[arg(value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+
+    /// Prints the scene with all defaults and does nothing else.
+    #[arg(long, global = true)]
+    print_config: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    Run(run::Args),
+    Generate(generate::Args),
+    Check(check::Args),
+    Completions(completions::Args),
+}
+
+impl Cli {
+    /// Threads of the solver, 0 for one a core.
+    fn threads(&self) -> usize {
+        self.threads.map_or(0, usize::from)
+    }
+
+    /// Loads a scene; `None` when it was to be printed and was.
+    fn scene(&self, file: &Path) -> Result<Option<Loaded>, Failure> {
+        let loaded = scene::load(file)?;
+        if self.print_config {
+            output::print(&loaded.scene.to_yaml()?)?;
+            return Ok(None);
+        }
+        Ok(Some(loaded))
+    }
+}
+
+/// Does what the arguments ask for.
+pub(crate) fn run(cli: &Cli) -> Result<Outcome, Failure> {
+    let bars = log::start(cli.verbose, cli.quiet);
+    match &cli.verb {
+        Verb::Run(args) => run::run(args, cli, &bars),
+        Verb::Generate(args) => generate::run(args, cli, &bars),
+        Verb::Check(args) => check::run(args, cli),
+        Verb::Completions(args) => completions::run(args),
+    }
+}
+
+const fn version() -> &'static str {
+    match (cfg!(feature = "ros"), cfg!(feature = "mcap")) {
+        (true, true) => concat!(env!("CARGO_PKG_VERSION"), " (features: ros, mcap)"),
+        (true, false) => concat!(env!("CARGO_PKG_VERSION"), " (features: ros)"),
+        (false, true) => concat!(env!("CARGO_PKG_VERSION"), " (features: mcap)"),
+        (false, false) => concat!(env!("CARGO_PKG_VERSION"), " (features: none)"),
+    }
+}

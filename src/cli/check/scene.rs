@@ -1,0 +1,40 @@
+//! What is in a scene.
+
+use graintwin::scene::Loaded;
+use graintwin::wall::Bounds;
+use graintwin::{pack, path};
+
+use crate::cli::output::significant;
+use crate::cli::{Failure, specimen};
+
+/// Reads the files of the scene as well.
+pub(super) fn describe(loaded: &Loaded) -> Result<String, Failure> {
+    let scene = &loaded.scene;
+    // What a path file holds is checked in any box; the pack to be made has none yet.
+    let unit = Bounds { min: [0.0; 3], max: [1.0; 3] };
+    let (contents, bounds) = match &scene.pack.generate {
+        Some(spec) => {
+            let stress = significant(spec.confining_stress * 1e-6, 4);
+            let (grains, material) = (spec.grains, &spec.material);
+            (
+                format!(
+                    "pack            {grains} grains of {material} to be made at {stress} MPa\n"
+                ),
+                unit,
+            )
+        }
+        None => {
+            let pack = pack::build(loaded)?;
+            (specimen::describe(&pack), pack.bounds)
+        }
+    };
+    let commands = path::commands(&scene.load_path, loaded.folder(), &bounds)?;
+    let duration = commands.last().map_or(0.0, |command| command.stamp.seconds());
+    Ok(format!(
+        "scene           {}, {}: right\n{contents}load path       {} commands, {} s\n",
+        scene.name,
+        loaded.file.display(),
+        commands.len(),
+        significant(duration, 6),
+    ))
+}

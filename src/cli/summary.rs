@@ -1,0 +1,154 @@
+//! What a run came to: a table for people, JSON for programs.
+
+mod table;
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use graintwin::command::Disposition;
+use graintwin::pack::Pack;
+use graintwin::report::{Demand, Measures, Moduli, PackState, WallForces};
+use graintwin::scene::Loaded;
+use graintwin::sink::{Served, Sink};
+use graintwin::wall::Bounds;
+
+use super::Failure;
+
+/// Collects answers; SI units, names as in the messages.
+#[derive(Debug, Serialize)]
+pub(super) struct Summary {
+    version: &'static str,
+    scene: String,
+    file: PathBuf,
+    grains: usize,
+    #[serde(rename = "box")]
+    bounds: Bounds,
+    /// Commands by what became of them.
+    commands: BTreeMap<String, u64>,
+    /// Commands that did not move the walls though they should have.
+    refused: u64,
+    /// The first of them, in words.
+    first_refusal: Option<String>,
+    increments: u64,
+    substeps: u64,
+    iterations: u64,
+    worst_residual: f64,
+    solve_seconds: f64,
+    /// The initial equilibrium.
+    start: Option<Moment>,
+    /// The last one.
+    end: Option<Moment>,
+}
+
+/// One equilibrium.
+#[derive(Clone, Debug, Serialize)]
+struct Moment {
+    increment: u64,
+    walls: WallForces,
+    state: Option<PackState>,
+    moduli: Option<Moduli>,
+}
+
+impl Summary {
+    pub(super) fn new(loaded: &Loaded, pack: &Pack) -> Self {
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            scene: loaded.scene.name.clone(),
+            file: loaded.file.clone(),
+            grains: pack.grains.len(),
+            bounds: pack.bounds,
+            commands: BTreeMap::new(),
+            refused: 0,
+            first_refusal: None,
+            increments: 0,
+            substeps: 0,
+            iterations: 0,
+            worst_residual: 0.0,
+            solve_seconds: 0.0,
+            start: None,
+            end: None,
+        }
+    }
+
+    /// Commands that did not move the walls though they should have.
+    pub(super) fn refused(&self) -> u64 {
+        self.refused
+    }
+
+    /// One JSON object; numbers that are not known are null.
+    pub(super) fn json(&self) -> Result<String, Failure> {
+        let mut text = serde_json::to_string_pretty(self).map_err(Failure::other)?;
+        text.push('\n');
+        Ok(text)
+    }
+
+    pub(super) fn table(&self) -> String {
+        table::write(self)
+    }
+
+    fn measured(&mut self, measures: &Measures) {
+        let moment = Moment {
+            increment: measures.increment,
+            walls: measures.walls,
+            state: measures.state,
+            moduli: measures.moduli,
+        };
+        self.increments = measures.increment;
+        if let Some(state) = measures.state {
+            self.iterations += u64::from(state.iterations);
+            self.worst_residual = self.worst_residual.max(state.residual);
+            self.solve_seconds += state.solve_seconds;
+        }
+        if self.start.is_none() {
+            self.start = Some(moment.clone());
+        }
+        self.end = Some(moment);
+    }
+}
+
+impl Sink for &mut Summary {
+    fn demand(&self) -> Demand {
+        Demand { state: true, moduli: true, contact_network: false }
+    }
+
+    fn served(&mut self, served: &Arc<Served>) {
+        let report = &served.report;
+        self.substeps += u64::from(report.substeps);
+        if let Some(measures) = &report.measures {
+            self.measured(measures);
+        }
+        if served.command.is_none() {
+            if !report.text.is_empty() {
+                tracing::info!("at the start {}", report.text);
+            }
+            return;
+        }
+        *self.commands.entry(name(report.disposition)).or_default() += 1;
+        let moved = report.measures.is_some() || report.disposition == Disposition::Duplicate;
+        if !moved {
+            let what = format!(
+                "command {} of session `{}`: {}: {}",
+                report.sequence,
+                report.session,
+                name(report.disposition),
+                report.text
+            );
+            tracing::warn!("{what}");
+            self.refused += 1;
+            self.first_refusal.get_or_insert(what);
+        } else if !report.text.is_empty() {
+            tracing::info!("command {}: {}", report.sequence, report.text);
+        }
+    }
+}
+
+/// The name that the messages give it.
+fn name(disposition: Disposition) -> String {
+    match serde_json::to_value(disposition) {
+        Ok(serde_json::Value::String(name)) => name,
+        _ => format!("{disposition:?}"),
+    }
+}

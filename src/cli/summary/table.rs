@@ -1,0 +1,99 @@
+//! The summary as a table: start and end side by side.
+
+use std::fmt::Write as _;
+
+use graintwin::report::Moduli;
+use graintwin::wall;
+
+use super::{Moment, Summary};
+use crate::cli::output::significant;
+
+pub(super) fn write(summary: &Summary) -> String {
+    let mut text = String::new();
+    let sides = summary.bounds.sides().map(|side| significant(side * 1e3, 5));
+    line(&mut text, "scene", &format!("{}, {}", summary.scene, summary.file.display()));
+    line(&mut text, "pack", &format!("{} grains in {} mm", summary.grains, sides.join(" x ")));
+    let commands: u64 = summary.commands.values().sum();
+    let kinds: Vec<_> =
+        summary.commands.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
+    line(&mut text, "commands", &format!("{commands} ({})", kinds.join(", ")));
+    if let Some(first) = &summary.first_refusal {
+        line(&mut text, "first refusal", first);
+    }
+    line(
+        &mut text,
+        "solver",
+        &format!(
+            "{} increments, {} equilibria, {} Newton steps, residual at most {:.1e}, {} s",
+            summary.increments,
+            summary.substeps,
+            summary.iterations,
+            summary.worst_residual,
+            significant(summary.solve_seconds, 3),
+        ),
+    );
+    if let (Some(start), Some(end)) = (&summary.start, &summary.end) {
+        text.push('\n');
+        let from = format!("increment {}", start.increment);
+        row(&mut text, "", "", &from, &format!("increment {}", end.increment));
+        for (name, unit, from, to) in rows(start, end) {
+            row(&mut text, name, unit, &shown(from), &shown(to));
+        }
+    }
+    text
+}
+
+type Row = (&'static str, &'static str, Option<f64>, Option<f64>);
+
+fn rows(start: &Moment, end: &Moment) -> Vec<Row> {
+    let mut rows = Vec::new();
+    let mut add = |name, unit, of: &dyn Fn(&Moment) -> Option<f64>| {
+        rows.push((name, unit, of(start), of(end)));
+    };
+    for (axis, name) in ["strain x", "strain y", "strain z"].into_iter().enumerate() {
+        add(name, "", &|moment| Some(moment.state?.strain[axis]));
+    }
+    for (axis, name) in ["stress x", "stress y", "stress z"].into_iter().enumerate() {
+        add(name, "MPa", &|moment| Some(moment.state?.stress_walls[4 * axis] * 1e-6));
+    }
+    add("confining stress", "MPa", &|moment| Some(moment.state?.confining_stress * 1e-6));
+    add("deviatoric stress", "MPa", &|moment| Some(moment.state?.deviatoric_stress * 1e-6));
+    for (wall, name) in wall::NAMES.into_iter().enumerate() {
+        add(name, "N", &|moment| Some(moment.walls.normal_force[wall]));
+    }
+    add("porosity", "", &|moment| Some(moment.state?.porosity));
+    add("coordination", "", &|moment| Some(moment.state?.coordination_number));
+    add("contacts", "", &|moment| Some(f64::from(moment.state?.contacts)));
+    add("rattlers", "", &|moment| Some(f64::from(moment.state?.rattlers)));
+    add("stored energy", "J", &|moment| Some(moment.state?.stored_energy));
+    let mut add = |name, unit, of: fn(&Moduli) -> f64| {
+        let known = |moment: &Moment| moment.moduli.as_ref().map(of);
+        rows.push((name, unit, known(start), known(end)));
+    };
+    add("K, last interval", "GPa", |moduli| moduli.bulk * 1e-9);
+    add("G", "GPa", |moduli| moduli.shear * 1e-9);
+    add("E", "GPa", |moduli| moduli.young * 1e-9);
+    add("Poisson's ratio", "", |moduli| moduli.poisson);
+    add("Lamé's lambda", "GPa", |moduli| moduli.lame * 1e-9);
+    add("P-wave modulus", "GPa", |moduli| moduli.p_wave * 1e-9);
+    rows
+}
+
+/// Whole numbers as such; what is not known as a dash.
+fn shown(value: Option<f64>) -> String {
+    match value {
+        None => "-".into(),
+        Some(value) if value.is_nan() => "-".into(),
+        Some(value) if value.fract() == 0.0 && value.abs() < 1e9 => format!("{value:.0}"),
+        Some(value) => significant(value, 6),
+    }
+}
+
+// Writing to a string cannot fail.
+fn line(to: &mut String, name: &str, text: &str) {
+    let _ = writeln!(to, "{name:<18} {text}");
+}
+
+fn row(to: &mut String, name: &str, unit: &str, from: &str, until: &str) {
+    let _ = writeln!(to, "{name:<18} {from:>14} {until:>14} {unit}");
+}

@@ -1,0 +1,210 @@
+//! The neighbour list: every pair that can touch before grains have moved further than the skin.
+
+use crate::Vec3;
+use crate::contact::hertz;
+use crate::model::Model;
+use crate::wall::{self, Bounds};
+
+/// Skin over the mean radius.
+const SKIN: f64 = 0.2;
+
+/// Pairs (i, j > i) and (i, wall) within the skin, in rows by i.
+#[derive(Clone, Debug, Default)]
+pub struct Neighbours {
+    /// First entry of each row in `second`, shape (n + 1).
+    pub start: Vec<u32>,
+    /// The second grain of each pair, ascending within a row.
+    pub second: Vec<u32>,
+    /// Hertz' M of each pair \[N/m^1.5\].
+    pub modulus: Vec<f64>,
+    /// First entry of each row in `walls`, shape (n + 1).
+    pub wall_start: Vec<u32>,
+    /// The wall of each grain-wall pair, ascending within a row.
+    pub walls: Vec<u8>,
+    /// Hertz' M of each grain with a wall \[N/m^1.5\], shape (n).
+    pub wall_modulus: Vec<f64>,
+    /// Positions when the list was made \[m\], shape (n); empty before the first list.
+    made_at: Vec<Vec3>,
+    /// Box when the list was made.
+    made_in: Option<Bounds>,
+    /// How often the list was made.
+    pub rebuilds: u64,
+    cells: Cells,
+}
+
+/// Grains sorted into cubic cells.
+#[derive(Clone, Debug, Default)]
+struct Cells {
+    low: Vec3,
+    size: f64,
+    count: [usize; 3],
+    start: Vec<u32>,
+    grains: Vec<u32>,
+    cell_of: Vec<u32>,
+}
+
+impl Neighbours {
+    /// Whether the list still holds every contact of `position` in the box `bounds`.
+    ///
+    /// A pair outside the list was at least a skin apart. The box strain brings it closer by at
+    /// most its own share, the rest takes non-affine displacements (numerics.md).
+    #[must_use]
+    pub fn holds(&self, model: &Model, position: &[Vec3], bounds: &Bounds) -> bool {
+        let Some(made_in) = &self.made_in else { return false };
+        if self.made_at.len() != position.len() {
+            return false;
+        }
+        let (sides, made) = (bounds.sides(), made_in.sides());
+        let scale = Vec3::from_fn(|axis, _| sides[axis] / made[axis]);
+        let (low, made_low) = (Vec3::from(bounds.min), Vec3::from(made_in.min));
+        let closest = scale.min().min(1.0);
+        let allowance =
+            closest * SKIN * model.mean_radius - (1.0 - closest) * 2.0 * model.max_radius;
+        if allowance <= 0.0 || scale.max() > 2.0 {
+            return false;
+        }
+        let limit = (0.5 * allowance).powi(2);
+        position.iter().zip(&self.made_at).all(|(now, made)| {
+            let affine = low + scale.component_mul(&(made - made_low));
+            (now - affine).norm_squared() <= limit
+        })
+    }
+
+    /// Makes the list anew for `position`.
+    pub fn rebuild(&mut self, model: &Model, position: &[Vec3], bounds: &Bounds) {
+        let skin = SKIN * model.mean_radius;
+        self.cells.sort(position, 2.0 * model.max_radius + skin);
+        self.start.clear();
+        self.second.clear();
+        self.modulus.clear();
+        self.wall_modulus.clear();
+        self.wall_start.clear();
+        self.walls.clear();
+        for (i, at) in position.iter().enumerate() {
+            self.start.push(self.second.len() as u32);
+            let row = self.second.len();
+            self.cells.for_each_near(at, |j| {
+                if j as usize > i {
+                    let reach = model.radius[i] + model.radius[j as usize] + skin;
+                    if (at - position[j as usize]).norm_squared() < reach * reach {
+                        self.second.push(j);
+                    }
+                }
+            });
+            self.second[row..].sort_unstable();
+            self.modulus.extend(self.second[row..].iter().map(|&j| {
+                let effective = hertz::effective_radius(model.radius[i], model.radius[j as usize]);
+                hertz::modulus(effective, model.compliance[i] + model.compliance[j as usize])
+            }));
+            let compliance = model.compliance[i] + model.wall_compliance;
+            self.wall_modulus.push(hertz::modulus(model.radius[i], compliance));
+            self.wall_start.push(self.walls.len() as u32);
+            for wall in 0..wall::COUNT {
+                let gap = wall_gap(at, wall, bounds);
+                if gap < model.radius[i] + skin {
+                    self.walls.push(wall as u8);
+                }
+            }
+        }
+        self.start.push(self.second.len() as u32);
+        self.wall_start.push(self.walls.len() as u32);
+        self.made_at.clear();
+        self.made_at.extend_from_slice(position);
+        self.made_in = Some(*bounds);
+        self.rebuilds += 1;
+    }
+
+    /// Makes the list anew when it no longer [`holds`](Self::holds).
+    pub fn refresh(&mut self, model: &Model, position: &[Vec3], bounds: &Bounds) {
+        if !self.holds(model, position, bounds) {
+            self.rebuild(model, position, bounds);
+        }
+    }
+
+    /// The entries of row `i` in `second`.
+    #[must_use]
+    #[inline(always)]
+    pub fn row(&self, i: usize) -> std::ops::Range<usize> {
+        self.start[i] as usize..self.start[i + 1] as usize
+    }
+
+    /// The walls near grain `i`.
+    #[must_use]
+    #[inline(always)]
+    pub fn walls_near(&self, i: usize) -> &[u8] {
+        &self.walls[self.wall_start[i] as usize..self.wall_start[i + 1] as usize]
+    }
+}
+
+/// Distance of a point from a wall, positive inside \[m\].
+#[must_use]
+#[inline(always)]
+pub fn wall_gap(at: &Vec3, wall: usize, bounds: &Bounds) -> f64 {
+    (at[wall::axis(wall)] - bounds.position(wall)) * wall::inward(wall)
+}
+
+impl Cells {
+    /// Sorts `position` into cells no smaller than `reach`.
+    fn sort(&mut self, position: &[Vec3], reach: f64) {
+        let (mut low, mut high) = (Vec3::repeat(f64::MAX), Vec3::repeat(f64::MIN));
+        for at in position {
+            low = low.inf(at);
+            high = high.sup(at);
+        }
+        // Far-flung grains must not ask for more cells than there are grains to fill them.
+        let extent = (high - low).max().max(reach);
+        let most = (position.len() as f64).cbrt().ceil().mul_add(4.0, 1.0);
+        self.size = reach.max(extent / most);
+        self.low = low;
+        self.count =
+            std::array::from_fn(|axis| ((high[axis] - low[axis]) / self.size) as usize + 1);
+        let cells = self.count.iter().product::<usize>();
+        self.start.clear();
+        self.start.resize(cells + 1, 0);
+        self.cell_of.clear();
+        for at in position {
+            let cell = self.cell(at);
+            let index = self.index(cell);
+            self.cell_of.push(index as u32);
+            self.start[index + 1] += 1;
+        }
+        for cell in 0..cells {
+            self.start[cell + 1] += self.start[cell];
+        }
+        self.grains.clear();
+        self.grains.resize(position.len(), 0);
+        // Filling backwards with a decreasing end leaves `start` as it must be.
+        for (grain, &cell) in self.cell_of.iter().enumerate().rev() {
+            let end = &mut self.start[cell as usize + 1];
+            *end -= 1;
+            self.grains[*end as usize] = grain as u32;
+        }
+        self.start.remove(0);
+        self.start.push(position.len() as u32);
+    }
+
+    fn cell(&self, at: &Vec3) -> [usize; 3] {
+        std::array::from_fn(|axis| {
+            (((at[axis] - self.low[axis]) / self.size) as usize).min(self.count[axis] - 1)
+        })
+    }
+
+    fn index(&self, cell: [usize; 3]) -> usize {
+        (cell[2] * self.count[1] + cell[1]) * self.count[0] + cell[0]
+    }
+
+    /// Calls `visit` with every grain in the cells around `at`, in a fixed order.
+    fn for_each_near(&self, at: &Vec3, mut visit: impl FnMut(u32)) {
+        let cell = self.cell(at);
+        let span =
+            |axis: usize| cell[axis].saturating_sub(1)..(cell[axis] + 2).min(self.count[axis]);
+        for z in span(2) {
+            for y in span(1) {
+                let x = span(0);
+                let first = self.start[self.index([x.start, y, z])] as usize;
+                let last = self.start[self.index([x.end - 1, y, z]) + 1] as usize;
+                self.grains[first..last].iter().copied().for_each(&mut visit);
+            }
+        }
+    }
+}

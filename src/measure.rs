@@ -1,0 +1,11 @@
+//! What an equilibrium tells: wall forces, stress, strain, moduli, porosity, coordination.
+//!
+//! Everything is computed from the load-carrying contacts of one state, listed once.
+
+pub mod contacts;
+pub mod coordination;
+pub mod moduli;
+pub mod network;
+pub mod porosity;
+pub mod stress;
+pub mod walls;

@@ -1,0 +1,45 @@
+//! Stress and strain of the pack, compression positive.
+
+use nalgebra::Matrix3;
+
+use crate::measure::contacts::Contact;
+use crate::report::WallForces;
+use crate::wall::Bounds;
+
+/// Stress from the wall forces on the current areas \[Pa\] (T 2.11). Smooth planar walls carry no
+/// shear, so what is off the diagonal is zero.
+#[must_use]
+pub fn from_walls(walls: &WallForces, bounds: &Bounds) -> Matrix3<f64> {
+    let normal = |axis: usize| {
+        let [low, high] = [2 * axis, 2 * axis + 1];
+        0.5 * (walls.normal_force[low] / bounds.area(low)
+            + walls.normal_force[high] / bounds.area(high))
+    };
+    Matrix3::from_diagonal(&nalgebra::Vector3::new(normal(0), normal(1), normal(2)))
+}
+
+/// Love-Weber stress \[Pa\]: T 2.13 with each grain-grain contact taken once (physics.md).
+#[must_use]
+pub fn from_contacts(contacts: &[Contact], bounds: &Bounds) -> Matrix3<f64> {
+    let mut sum = Matrix3::zeros();
+    for contact in contacts {
+        // r_ij between grains, n̂w (Ri - h) at a wall: either way along the normal.
+        let branch = contact.normal * contact.distance;
+        sum += contact.normal * contact.force * branch.transpose();
+    }
+    sum / bounds.volume()
+}
+
+/// Engineering strain of the box against `reference` (T 2.10, positive in compression).
+#[must_use]
+pub fn engineering_strain(bounds: &Bounds, reference: &Bounds) -> [f64; 3] {
+    let (now, before) = (bounds.sides(), reference.sides());
+    std::array::from_fn(|axis| (before[axis] - now[axis]) / before[axis])
+}
+
+/// Logarithmic strain of the box against `reference` (T 2.6.1, "natural").
+#[must_use]
+pub fn natural_strain(bounds: &Bounds, reference: &Bounds) -> [f64; 3] {
+    let (now, before) = (bounds.sides(), reference.sides());
+    std::array::from_fn(|axis| (before[axis] / now[axis]).ln())
+}

@@ -1,0 +1,144 @@
+//! What stays constant after loading: grains, walls, laws and settings, in the solver's own order.
+
+use crate::Vec3;
+use crate::contact::hertz;
+use crate::pack::{Grain, Pack};
+use crate::scene::{Scene, Solver, Walls};
+use crate::wall::Bounds;
+
+/// Streams into which the grains are cut, then dealt one after the other.
+///
+/// Successive rows of the triangular sweeps then lie far apart in the pack and do not wait
+/// for each other.
+const STREAMS: usize = 4;
+
+/// Constants of a specimen. Arrays have one entry a grain, in the solver's order.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// Grain index in the pack file of each grain here, shape (n).
+    pub order: Vec<u32>,
+    /// Constants of each grain; the positions are those at load.
+    pub grains: Vec<Grain>,
+    /// Radii R \[m\], shape (n).
+    pub radius: Vec<f64>,
+    /// (1-ν²)/E of each grain \[1/Pa\], shape (n).
+    pub compliance: Vec<f64>,
+    /// (1-ν²)/E of the walls \[1/Pa\].
+    pub wall_compliance: f64,
+    /// Weight of each grain \[N\]; empty without gravity.
+    pub weight: Vec<Vec3>,
+    /// Arithmetic mean of the radii R̄ \[m\].
+    pub mean_radius: f64,
+    /// Largest radius \[m\].
+    pub max_radius: f64,
+    /// Box at load.
+    pub start: Bounds,
+    /// Box that engineering strain refers to.
+    pub reference: Bounds,
+    /// Settings of the relaxation.
+    pub solver: Solver,
+}
+
+impl Model {
+    /// The model of `pack` under the walls, gravity and solver of `scene`.
+    #[must_use]
+    pub fn new(pack: &Pack, scene: &Scene) -> Self {
+        Self::with(pack, &scene.walls, scene.gravity, scene.solver, scene.reference)
+    }
+
+    /// As [`Model::new`], from the parts of a scene.
+    #[must_use]
+    pub fn with(
+        pack: &Pack,
+        walls: &Walls,
+        gravity: [f64; 3],
+        solver: Solver,
+        reference: Option<Bounds>,
+    ) -> Self {
+        let order = solver_order(pack);
+        let grains: Vec<Grain> = order.iter().map(|&g| pack.grains[g as usize]).collect();
+        let count = grains.len().max(1) as f64;
+        let gravity = Vec3::from(gravity);
+        let weight = if gravity == Vec3::zeros() {
+            Vec::new()
+        } else {
+            grains.iter().map(|g| gravity * (g.density * sphere_volume(g.radius))).collect()
+        };
+        Self {
+            order,
+            radius: grains.iter().map(|g| g.radius).collect(),
+            compliance: grains.iter().map(|g| hertz::compliance(g.young, g.poisson)).collect(),
+            wall_compliance: hertz::compliance(walls.young, walls.poisson),
+            weight,
+            mean_radius: grains.iter().map(|g| g.radius).sum::<f64>() / count,
+            max_radius: grains.iter().map(|g| g.radius).fold(0.0, f64::max),
+            start: pack.bounds,
+            reference: reference.unwrap_or(pack.bounds),
+            solver,
+            grains,
+        }
+    }
+
+    /// Number of grains.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.radius.len()
+    }
+
+    /// Whether there is no grain.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.radius.is_empty()
+    }
+
+    /// Whether grains have weight.
+    #[must_use]
+    pub fn has_gravity(&self) -> bool {
+        !self.weight.is_empty()
+    }
+
+    /// Contacts that a grain needs to carry load without friction: four, or three under its weight.
+    #[must_use]
+    pub fn contacts_to_carry(&self) -> u32 {
+        if self.has_gravity() { 3 } else { 4 }
+    }
+
+    /// Force of a contact that is as good as open \[N\]: an overlap of 1e-7 of the mean radius,
+    /// where positions in double precision cannot resolve a residual any more.
+    #[must_use]
+    pub fn negligible_force(&self) -> f64 {
+        let compliance = self.compliance.iter().sum::<f64>() / self.len().max(1) as f64;
+        let modulus = hertz::modulus(0.5 * self.mean_radius, 2.0 * compliance);
+        hertz::force(modulus, 1e-7 * self.mean_radius)
+    }
+}
+
+/// Volume of a sphere \[m³\].
+#[must_use]
+pub fn sphere_volume(radius: f64) -> f64 {
+    4.0 / 3.0 * std::f64::consts::PI * radius.powi(3)
+}
+
+/// Grains along a Morton curve through the box, cut into [`STREAMS`] and dealt in turn.
+fn solver_order(pack: &Pack) -> Vec<u32> {
+    let sides = pack.bounds.sides();
+    let key = |g: &Grain| -> u64 {
+        let cell: [u64; 3] = std::array::from_fn(|axis| {
+            let at = (g.position[axis] - pack.bounds.min[axis]) / sides[axis];
+            (at.clamp(0.0, 1.0) * 1023.0) as u64
+        });
+        spread_bits(cell[0]) | spread_bits(cell[1]) << 1 | spread_bits(cell[2]) << 2
+    };
+    let mut curve: Vec<u32> = (0..pack.grains.len() as u32).collect();
+    curve.sort_by_key(|&g| (key(&pack.grains[g as usize]), g));
+    let length = curve.len().div_ceil(STREAMS);
+    (0..length)
+        .flat_map(|k| (0..STREAMS).map(move |stream| (stream * length + k, stream)))
+        .filter_map(|(k, stream)| curve.get(k).filter(|_| k < (stream + 1) * length).copied())
+        .collect()
+}
+
+/// Ten bits of `cell`, each followed by two zeros.
+fn spread_bits(cell: u64) -> u64 {
+    (0..10).map(|bit| (cell >> bit & 1) << (3 * bit)).sum()
+}

@@ -1,0 +1,85 @@
+//! From a scene to its pack: read or made, given its properties, and cut.
+
+use std::path::Path;
+
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
+
+use super::generate::generate;
+use super::{Constants, Grain, Pack, PackError, PackFile, PackRow, properties, read};
+use crate::scene::{Generate, Loaded, Material, Scene};
+use crate::table::TableError;
+
+/// The pack of a scene.
+///
+/// # Errors
+/// When a file of the pack is wrong or cannot be read, the pack cannot be made, or the cut leaves
+/// nothing.
+pub fn build(loaded: &Loaded) -> Result<Pack, PackError> {
+    let source = &loaded.scene.pack;
+    let pack = match (&source.generate, &source.file) {
+        (Some(spec), _) => made(&loaded.scene, spec)?,
+        (None, Some(file)) => from_file(loaded, file)?,
+        (None, None) => return Err(PackError::NoSource),
+    };
+    let Some(cut) = &source.cut else { return Ok(pack) };
+    let specimen = pack.cut(cut);
+    if specimen.grains.is_empty() {
+        return Err(PackError::EmptyCut { grains: pack.grains.len() });
+    }
+    Ok(specimen)
+}
+
+fn made(scene: &Scene, spec: &Generate) -> Result<Pack, PackError> {
+    let material = material(scene, &spec.material)
+        .ok_or_else(|| PackError::UnknownMaterial { name: spec.material.clone() })?;
+    let friction = scene.contact.friction.coefficient();
+    Ok(generate(spec, material, &scene.walls, friction, scene.solver)?)
+}
+
+fn from_file(loaded: &Loaded, file: &Path) -> Result<Pack, PackError> {
+    let Loaded { scene, .. } = loaded;
+    let file = read(&loaded.resolve(file))?;
+    let bounds = match scene.pack.bounds {
+        Some(bounds) => bounds,
+        None => file.read_box()?,
+    };
+    file.check_inside(&bounds)?;
+    let mut rng = Pcg64::seed_from_u64(scene.pack.seed);
+    let grain = |row: &PackRow| grain(&file, row, scene, &mut rng);
+    let grains = file.rows.iter().map(grain).collect::<Result<_, _>>()?;
+    Ok(Pack { bounds, grains })
+}
+
+fn grain(
+    file: &PackFile,
+    row: &PackRow,
+    scene: &Scene,
+    rng: &mut Pcg64,
+) -> Result<Grain, PackError> {
+    let (position, radius) = (row.position, row.radius);
+    let name = match &row.constants {
+        Constants::Given { young, poisson, density, friction } => {
+            let (young, poisson, density, friction) = (*young, *poisson, *density, *friction);
+            return Ok(Grain { position, radius, young, poisson, density, friction });
+        }
+        Constants::Material(name) => name,
+        Constants::Unknown => scene
+            .pack
+            .material
+            .as_ref()
+            .ok_or_else(|| PackError::NoMaterial { file: file.file.clone() })?,
+    };
+    let material = material(scene, name).ok_or_else(|| {
+        let known = scene.materials.keys().map(String::as_str).collect::<Vec<_>>().join(", ");
+        let text = format!("column `material`: no material is named `{name}`; known: {known}");
+        TableError::Line { file: file.file.clone(), line: row.line, text }
+    })?;
+    let (young, poisson) = properties::draw(material, rng);
+    let (density, friction) = (material.density, scene.contact.friction.coefficient());
+    Ok(Grain { position, radius, young, poisson, density, friction })
+}
+
+fn material<'scene>(scene: &'scene Scene, name: &str) -> Option<&'scene Material> {
+    scene.materials.get(name)
+}

@@ -1,0 +1,263 @@
+//! The pack CSV: one grain a row, and the box in a JSON beside it.
+//!
+//! Numbers are written in the shortest form that reads back to the same bits.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use super::{Pack, PackError, box_file, coincident};
+use crate::table::{Row, Table, TableError};
+use crate::wall::{self, Bounds};
+
+const GEOMETRY: [&str; 4] = ["x", "y", "z", "radius"];
+const MATERIAL: &str = "material";
+const CONSTANTS: [&str; 4] = ["young", "poisson", "density", "friction"];
+
+/// What a pack CSV says about the grains' material.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Columns {
+    /// Nothing: the scene names one material for all.
+    Geometry,
+    /// A material of the scene for each grain.
+    Material,
+    /// The constants of each grain.
+    Constants,
+}
+
+/// A pack CSV as read: right in itself, not yet in a box or of a material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PackFile {
+    /// The CSV.
+    pub file: PathBuf,
+    /// Which columns it has besides the geometry.
+    pub columns: Columns,
+    /// The grains; at least one.
+    pub rows: Vec<PackRow>,
+}
+
+/// One grain as written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PackRow {
+    /// Line in the CSV, from 1.
+    pub line: u64,
+    /// Centre \[m\].
+    pub position: [f64; 3],
+    /// Radius \[m\], above 0.
+    pub radius: f64,
+    /// What it is made of.
+    pub constants: Constants,
+}
+
+/// What one grain is made of.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Constants {
+    /// The file does not say.
+    Unknown,
+    /// A material of the scene.
+    Material(String),
+    /// Its constants.
+    Given {
+        /// Young's modulus \[Pa\], above 0.
+        young: f64,
+        /// Poisson's ratio, -1 < ν < 0.5.
+        poisson: f64,
+        /// Density \[kg/m³\], above 0.
+        density: f64,
+        /// Coefficient of friction, at least 0.
+        friction: f64,
+    },
+}
+
+/// Reads a pack CSV and checks what can be checked without its box and materials.
+///
+/// # Errors
+/// When the file cannot be read or is not UTF-8; on a missing, unknown or double column, a wrong
+/// number of fields, a number that is none, not finite or out of range, no grain at all, or two
+/// grains with the same centre.
+pub fn read(file: &Path) -> Result<PackFile, PackError> {
+    let table = Table::read(file, Some('#'))?;
+    let columns = columns(&table)?;
+    let index = |names: [&str; 4]| -> Result<[usize; 4], TableError> {
+        let mut found = [0; 4];
+        for (place, name) in found.iter_mut().zip(names) {
+            *place = table.require(name)?;
+        }
+        Ok(found)
+    };
+    let geometry = index(GEOMETRY)?;
+    let material = table.column(MATERIAL);
+    let constants = match columns {
+        Columns::Constants => Some(index(CONSTANTS)?),
+        Columns::Geometry | Columns::Material => None,
+    };
+
+    let mut rows = Vec::new();
+    for row in table.rows() {
+        let row = row?;
+        rows.push(PackRow {
+            line: row.line(),
+            position: [
+                row.number(geometry[0])?,
+                row.number(geometry[1])?,
+                row.number(geometry[2])?,
+            ],
+            radius: positive(&row, geometry[3], "radius > 0 m")?,
+            constants: match (material, constants) {
+                (Some(column), _) => Constants::Material(row.text(column).into()),
+                (None, Some(columns)) => given(&row, columns)?,
+                (None, None) => Constants::Unknown,
+            },
+        });
+    }
+    if rows.is_empty() {
+        return Err(table.in_header("no grain follows the header; allowed: at least one").into());
+    }
+    if let Some((first, second)) = coincident::pair(&rows) {
+        let text = format!("the grain has the same centre as that of line {}", first.line);
+        return Err(table.at(second.line, text).into());
+    }
+    Ok(PackFile { file: file.into(), columns, rows })
+}
+
+fn columns(table: &Table) -> Result<Columns, TableError> {
+    let known =
+        |name: &str| GEOMETRY.contains(&name) || name == MATERIAL || CONSTANTS.contains(&name);
+    if let Some(name) = table.header().iter().find(|name| !known(name)) {
+        return Err(table.in_header(format!(
+            "column `{name}` is unknown; allowed: x, y, z, radius and either material or young, \
+             poisson, density, friction"
+        )));
+    }
+    let constants = CONSTANTS.iter().any(|name| table.column(name).is_some());
+    match (table.column(MATERIAL), constants) {
+        (Some(_), true) => Err(table.in_header(
+            "both material and constants; allowed: either material or young, poisson, density, \
+             friction",
+        )),
+        (Some(_), false) => Ok(Columns::Material),
+        (None, true) => Ok(Columns::Constants),
+        (None, false) => Ok(Columns::Geometry),
+    }
+}
+
+fn given(row: &Row<'_>, columns: [usize; 4]) -> Result<Constants, TableError> {
+    let [young, poisson, density, friction] = columns;
+    Ok(Constants::Given {
+        young: positive(row, young, "young > 0 Pa")?,
+        poisson: within(row, poisson, "-1 < poisson < 0.5", |nu| -1.0 < nu && nu < 0.5)?,
+        density: positive(row, density, "density > 0 kg/m³")?,
+        friction: within(row, friction, "friction >= 0", |mu| mu >= 0.0)?,
+    })
+}
+
+fn positive(row: &Row<'_>, column: usize, allowed: &str) -> Result<f64, TableError> {
+    within(row, column, allowed, |value| value > 0.0)
+}
+
+fn within(
+    row: &Row<'_>,
+    column: usize,
+    allowed: &str,
+    inside: impl Fn(f64) -> bool,
+) -> Result<f64, TableError> {
+    let value = row.number(column)?;
+    if inside(value) {
+        Ok(value)
+    } else {
+        Err(row.wrong(column, format!("{value:?} is outside {allowed}")))
+    }
+}
+
+impl PackFile {
+    /// The box in the JSON beside the CSV.
+    ///
+    /// # Errors
+    /// When there is no such file, it cannot be read, or it holds no box.
+    pub fn read_box(&self) -> Result<Bounds, PackError> {
+        let file = box_file(&self.file);
+        let text = fs::read_to_string(&file)
+            .map_err(|source| PackError::ReadBox { file: file.clone(), source })?;
+        let wrong = |text: String| PackError::Box { file: file.clone(), text };
+        let json: serde_json::Value =
+            serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
+        let Some(found) = json.get("box") else {
+            let keys: Vec<_> = json.as_object().into_iter().flatten().map(|(key, _)| key).collect();
+            return Err(wrong(format!("it has no key `box`, only {keys:?}")));
+        };
+        let bounds: Bounds = serde_json::from_value(found.clone())
+            .map_err(|error| wrong(format!("box: {error}")))?;
+        match (0..3).find(|&axis| bounds.min[axis] >= bounds.max[axis]) {
+            None => Ok(bounds),
+            Some(axis) => Err(wrong(format!(
+                "box: max[{axis}] = {:?} is not above min[{axis}] = {:?}",
+                bounds.max[axis], bounds.min[axis]
+            ))),
+        }
+    }
+
+    /// Checks that every grain's centre lies in `bounds`.
+    ///
+    /// # Errors
+    /// When one does not; the first one's line is named.
+    pub fn check_inside(&self, bounds: &Bounds) -> Result<(), PackError> {
+        let beyond = |row: &PackRow| {
+            (0..wall::COUNT).find(|&wall| {
+                let depth = row.position[wall::axis(wall)] - bounds.position(wall);
+                depth * wall::inward(wall) < 0.0
+            })
+        };
+        let mut outside = self.rows.iter().filter_map(|row| beyond(row).map(|wall| (row, wall)));
+        let Some((row, wall)) = outside.next() else { return Ok(()) };
+        let [x, y, z] = row.position;
+        let text = format!(
+            "the grain's centre ({x:?}, {y:?}, {z:?}) lies outside the box, beyond {} = {:?} m; \
+             grains outside: {}",
+            wall::NAMES[wall],
+            bounds.position(wall),
+            1 + outside.count(),
+        );
+        Err(TableError::Line { file: self.file.clone(), line: row.line, text }.into())
+    }
+}
+
+/// Writes `pack` as a CSV with the constants of every grain, and its box as JSON beside it.
+/// Reading both gives the same bits.
+///
+/// # Errors
+/// When the name does not end with `.csv`, or a file cannot be written.
+pub fn save(pack: &Pack, file: &Path) -> Result<(), PackError> {
+    if file.extension().is_none_or(|extension| extension != "csv") {
+        return Err(PackError::Name { file: file.into() });
+    }
+    let mut text = [GEOMETRY, CONSTANTS].concat().join(",");
+    text.push('\n');
+    for grain in &pack.grains {
+        let [x, y, z] = grain.position;
+        let (radius, young, poisson) = (grain.radius, grain.young, grain.poisson);
+        let (density, friction) = (grain.density, grain.friction);
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "{x:?},{y:?},{z:?},{radius:?},{young:?},{poisson:?},{density:?},{friction:?}"
+        );
+    }
+    write(file, &text)?;
+    write(&box_file(file), &box_json(&pack.bounds))
+}
+
+fn box_json(bounds: &Bounds) -> String {
+    #[derive(Serialize)]
+    struct Beside<'a> {
+        #[serde(rename = "box")]
+        bounds: &'a Bounds,
+    }
+    let json = serde_json::to_string_pretty(&Beside { bounds });
+    json.expect("six numbers under fixed names are JSON") + "\n"
+}
+
+fn write(file: &Path, text: &str) -> Result<(), PackError> {
+    fs::write(file, text).map_err(|source| PackError::Write { file: file.into(), source })
+}

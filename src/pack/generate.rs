@@ -1,0 +1,220 @@
+//! Making a pack from a seed: random points, a quench to a jammed state, and compaction to an
+//! isotropic stress (T 2.7.2, HZ-14, HZ-15).
+//!
+//! The thesis starts from a settled sediment of another code; here the loose state is random
+//! points in a box a little too small for them. They are pushed apart, and then grains and box
+//! descend together to the equilibrium at the stress asked for.
+
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+use crate::Vec3;
+use crate::contact::hertz;
+use crate::measure::contacts::Contacts;
+use crate::measure::coordination;
+use crate::model::{Model, sphere_volume};
+use crate::pack::{Grain, Pack, properties};
+use crate::relax::fire::{self, Goal};
+use crate::relax::{Outcome, Status, Workspace, relax};
+use crate::scene::{Generate, Material, Solver, Walls};
+use crate::state::State;
+use crate::wall::Bounds;
+
+/// Solid fraction of frictionless spheres of similar size where they jam, far from walls.
+const JAMMED_FRACTION: f64 = 0.64;
+/// Layer of lower density at each wall, in mean diameters: from packs of 300 to 5000 grains.
+const WALL_LAYER: f64 = 0.095;
+/// Overlap strain beyond that of the stress asked for with which the quench starts.
+const QUENCH_STRAIN: f64 = 0.006;
+/// Mean contact force over stress and squared mean radius in a jammed pack.
+const FORCE_PER_STRESS: f64 = 3.4;
+/// Residual to which the scattered grains are pushed apart before the box may move.
+const APART: f64 = 0.2;
+/// Residuals of the descents under pressure, one after the other until the stress is right.
+const DESCENTS: [f64; 4] = [1e-3, 3e-4, 1e-4, 3e-5];
+/// Most steps of a descent.
+const MOST_STEPS: u32 = 100_000;
+/// Newton steps before another descent is the better way.
+const MOST_NEWTON_STEPS: u32 = 120;
+/// Longest Newton step over the mean overlap: the way to the minimum does not matter here.
+const BOLD_STEP: f64 = 10.0;
+/// Deviation of each normal stress from the one asked for.
+const STRESS_TOLERANCE: f64 = 1e-3;
+/// Contacts of a stable grain and their least overlap over the mean radius (T 2.7.2).
+const STABLE: (usize, f64) = (4, 1e-5);
+
+/// Why a pack could not be made.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "pack.generate: no equilibrium at {wanted:.4e} Pa: stress {found:.4e} Pa, {status:?}, \
+     residual {residual:.1e}; try another seed, more grains or a higher confining_stress"
+)]
+pub struct GenerateError {
+    /// Mean stress asked for \[Pa\].
+    wanted: f64,
+    /// Mean stress reached \[Pa\].
+    found: f64,
+    /// How the last relaxation ended.
+    status: Status,
+    /// Its residual.
+    residual: f64,
+}
+
+/// Makes the pack of `spec`; `friction` is given to every grain, the relaxation is frictionless.
+///
+/// # Errors
+/// When no equilibrium at the stress asked for is found.
+pub fn generate(
+    spec: &Generate,
+    material: &Material,
+    walls: &Walls,
+    friction: f64,
+    solver: Solver,
+) -> Result<Pack, GenerateError> {
+    let mut rng = Pcg64::seed_from_u64(spec.seed);
+    let grains: Vec<Grain> = (0..spec.grains)
+        .map(|_| {
+            let radius = properties::radius(spec.radius, &mut rng);
+            let (young, poisson) = properties::draw(material, &mut rng);
+            let density = material.density;
+            Grain { position: [0.0; 3], radius, young, poisson, density, friction }
+        })
+        .collect();
+    let mut press = Press::new(&scatter(spec, material, grains, &mut rng), walls, solver);
+    press.quench();
+    press.compact(spec.confining_stress)?;
+    for _ in 0..spec.expand_floaters {
+        if !press.expand_floaters() {
+            break;
+        }
+        press.compact(spec.confining_stress)?;
+    }
+    Ok(press.pack())
+}
+
+/// Random points in a box in which the grains will be jammed.
+fn scatter(spec: &Generate, material: &Material, mut grains: Vec<Grain>, rng: &mut Pcg64) -> Pack {
+    let count = grains.len() as f64;
+    let solid: f64 = grains.iter().map(|g| sphere_volume(g.radius)).sum();
+    let radius = grains.iter().map(|g| g.radius).sum::<f64>() / count;
+    let modulus =
+        hertz::modulus(0.5 * radius, 2.0 * hertz::compliance(material.young, material.poisson));
+    let force = FORCE_PER_STRESS * spec.confining_stress * radius * radius;
+    let strain = (force / modulus).powf(2.0 / 3.0) / (2.0 * radius) + QUENCH_STRAIN;
+    let side = (solid / JAMMED_FRACTION).cbrt();
+    let near_walls = 1.0 - 6.0 * WALL_LAYER * 2.0 * radius / side;
+    let fraction = JAMMED_FRACTION * near_walls.max(0.5) * (1.0 + 3.0 * strain);
+    let scale = (solid / fraction / spec.aspect.iter().product::<f64>()).cbrt();
+    let half = spec.aspect.map(|a| 0.5 * a * scale);
+    for grain in &mut grains {
+        grain.position = std::array::from_fn(|axis| {
+            (2.0 * rng.random::<f64>() - 1.0) * (half[axis] - grain.radius).max(0.0)
+        });
+    }
+    Pack { bounds: Bounds { min: half.map(|h| -h), max: half }, grains }
+}
+
+/// A pack between walls that move at will.
+struct Press {
+    model: Model,
+    state: State,
+    work: Workspace,
+    walls: Walls,
+}
+
+impl Press {
+    fn new(pack: &Pack, walls: &Walls, solver: Solver) -> Self {
+        let solver = Solver { max_iterations: MOST_NEWTON_STEPS, ..solver };
+        let model = Model::with(pack, walls, [0.0; 3], solver, None);
+        let work = Workspace::new(&model);
+        Self { state: State::new(&model), work, walls: *walls, model }
+    }
+
+    /// Pushes the scattered grains apart.
+    fn quench(&mut self) {
+        self.descend(APART, None);
+        self.resort();
+    }
+
+    fn descend(&mut self, residual: f64, pressure: Option<f64>) {
+        let goal = Goal { residual, pressure, steps: MOST_STEPS };
+        fire::descend(&self.model, &mut self.state, &mut self.work, goal);
+    }
+
+    /// Brings the pack to equilibrium with all three normal stresses at `target` \[Pa\].
+    fn compact(&mut self, target: f64) -> Result<(), GenerateError> {
+        let mut outcome = Outcome::NONE;
+        for residual in DESCENTS {
+            self.descend(residual, Some(target));
+            self.resort();
+            self.work.step_cap = BOLD_STEP;
+            outcome = relax(&self.model, &mut self.state, &mut self.work);
+            let miss = (self.stress() - Vec3::repeat(target)).amax();
+            if outcome.status == Status::Converged && miss <= STRESS_TOLERANCE * target {
+                return Ok(());
+            }
+        }
+        let Outcome { status, residual, .. } = outcome;
+        Err(GenerateError { wanted: target, found: self.stress().mean(), status, residual })
+    }
+
+    /// Normal stresses \[Pa\].
+    fn stress(&self) -> Vec3 {
+        Vec3::from(self.work.balance.sums.virial) / self.state.bounds(&self.model).volume()
+    }
+
+    /// Sorts the solver's order anew: the grains are no longer where they were scattered.
+    fn resort(&mut self) {
+        let bounds = self.state.bounds(&self.model);
+        let mut pack = Pack { bounds, grains: self.model.grains.clone() };
+        let before = std::mem::take(&mut self.model.order);
+        for (grain, at) in pack.grains.iter_mut().zip(&self.state.position) {
+            grain.position = (*at).into();
+        }
+        self.model = Model::with(&pack, &self.walls, [0.0; 3], self.model.solver, None);
+        for place in &mut self.model.order {
+            *place = before[*place as usize];
+        }
+        self.state = State::new(&self.model);
+        self.work = Workspace::new(&self.model);
+    }
+
+    /// Expands grains with fewer than four contacts until they have four (T 2.7.2); says whether
+    /// there were any.
+    fn expand_floaters(&mut self) -> bool {
+        let contacts = Contacts::of(&self.model, &self.state, &self.work.neighbours);
+        let numbers = coordination::numbers(&self.model, contacts.counted());
+        let bounds = self.state.bounds(&self.model);
+        let least = STABLE.1 * self.model.mean_radius;
+        let mut grains = self.model.grains.clone();
+        let mut any = false;
+        for i in (0..self.model.len()).filter(|&i| (numbers[i] as usize) < STABLE.0) {
+            let at = self.state.position[i];
+            let mut gaps: Vec<f64> = (0..self.model.len())
+                .filter(|&j| j != i)
+                .map(|j| (at - self.state.position[j]).norm() - self.model.radius[j])
+                .chain((0..6).map(|w| crate::contact::neighbours::wall_gap(&at, w, &bounds)))
+                .collect();
+            gaps.sort_unstable_by(f64::total_cmp);
+            if let Some(&reach) = gaps.get(STABLE.0 - 1) {
+                grains[i].radius = grains[i].radius.max(reach + least);
+                any = true;
+            }
+        }
+        if any {
+            self.model.grains = grains;
+            self.resort();
+        }
+        any
+    }
+
+    /// The pack in the order in which its grains were drawn.
+    fn pack(&self) -> Pack {
+        let mut grains = self.model.grains.clone();
+        for (k, &place) in self.model.order.iter().enumerate() {
+            let position = self.state.position[k].into();
+            grains[place as usize] = Grain { position, ..self.model.grains[k] };
+        }
+        Pack { bounds: self.state.bounds(&self.model), grains }
+    }
+}

@@ -1,0 +1,149 @@
+//! Relaxation to static equilibrium: the minimum of the potential energy (T 2.5, A.2).
+
+pub mod advance;
+pub mod balance;
+pub mod fire;
+pub mod linear;
+pub mod newton;
+pub mod rattlers;
+mod sym3;
+
+use crate::Vec3;
+use crate::contact::hertz;
+use crate::contact::neighbours::Neighbours;
+use crate::model::Model;
+use crate::state::State;
+use crate::wall::Bounds;
+use balance::{Balance, Configuration, Sums};
+use linear::Linear;
+use rattlers::Rattlers;
+
+/// Times that floating grains which turn out to carry load may join the balance.
+const ROUNDS: u32 = 40;
+
+/// How a relaxation ended. All but the first two leave no state to trust.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// The residual is below the tolerance at a minimum.
+    Converged,
+    /// No grain carries load: the forces are zero.
+    Unjammed,
+    /// The steps ran out.
+    MaxIterations,
+    /// No step descends any more: the tolerance is below what rounding allows.
+    Stalled,
+    /// A position or force is not finite.
+    NonFinite,
+}
+
+impl Status {
+    /// Whether the state is an equilibrium.
+    #[must_use]
+    pub fn is_equilibrium(self) -> bool {
+        matches!(self, Self::Converged | Self::Unjammed)
+    }
+}
+
+/// What a relaxation came to.
+#[derive(Clone, Copy, Debug)]
+pub struct Outcome {
+    /// How it ended.
+    pub status: Status,
+    /// Largest unbalanced force of a grain over the mean contact force.
+    pub residual: f64,
+    /// Newton steps.
+    pub iterations: u32,
+    /// Sums at the end.
+    pub sums: Sums,
+}
+
+impl Outcome {
+    /// Before the first relaxation.
+    pub const NONE: Self =
+        Self { status: Status::Unjammed, residual: 0.0, iterations: 0, sums: Sums::NONE };
+}
+
+/// Scratch that may be thrown away at any time.
+#[derive(Clone, Debug)]
+pub struct Workspace {
+    /// Pairs that can touch.
+    pub neighbours: Neighbours,
+    /// The balance at the state.
+    pub balance: Balance,
+    /// The linear system of the present step.
+    pub linear: Linear,
+    /// Stiffness that single precision is scaled by \[N/m\].
+    pub reference_stiffness: f64,
+    /// Newton steps longer than this many mean overlaps are shortened by a shift of the Hessian.
+    pub step_cap: f64,
+    trial: Vec<Vec3>,
+    trial_balance: Balance,
+    rattlers: Rattlers,
+    negligible_force: f64,
+}
+
+impl Workspace {
+    /// Scratch for `model`.
+    #[must_use]
+    pub fn new(model: &Model) -> Self {
+        let compliance = model.compliance.iter().sum::<f64>() / model.len().max(1) as f64;
+        let modulus = hertz::modulus(0.5 * model.mean_radius, 2.0 * compliance);
+        Self {
+            neighbours: Neighbours::default(),
+            balance: Balance::default(),
+            linear: Linear::default(),
+            reference_stiffness: hertz::stiffness(modulus, 1e-2 * model.mean_radius),
+            step_cap: 1.0,
+            trial: Vec::with_capacity(model.len()),
+            trial_balance: Balance::default(),
+            rattlers: Rattlers::default(),
+            negligible_force: model.negligible_force(),
+        }
+    }
+
+    /// Evaluates the balance of the grains in `carries`.
+    pub fn evaluate(
+        &mut self,
+        model: &Model,
+        position: &[Vec3],
+        carries: &[bool],
+        bounds: &Bounds,
+    ) {
+        self.neighbours.refresh(model, position, bounds);
+        self.balance.evaluate(&Configuration {
+            model,
+            neighbours: &self.neighbours,
+            position,
+            carries,
+            bounds,
+            reference_stiffness: self.reference_stiffness,
+        });
+    }
+}
+
+/// Relaxes `state` at its walls. On a status that is no equilibrium the state is not to be used.
+pub fn relax(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
+    let mut iterations = 0;
+    rattlers::find(model, state, work);
+    for round in 0.. {
+        let solved = newton::solve(model, state, work);
+        iterations += solved.iterations;
+        let outcome = |status| Outcome {
+            status,
+            residual: solved.residual,
+            iterations,
+            sums: work.balance.sums,
+        };
+        if !solved.status.is_equilibrium() {
+            return outcome(solved.status);
+        }
+        if round == ROUNDS {
+            return outcome(Status::MaxIterations);
+        }
+        let settled = outcome(solved.status);
+        if !rattlers::settle(model, state, work) {
+            return settled;
+        }
+    }
+    unreachable!("the loop returns at the last round")
+}

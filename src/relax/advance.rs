@@ -1,0 +1,116 @@
+//! One load increment: walls to a target, in sub-increments that the pack can follow.
+
+use crate::Vec3;
+use crate::measure::contacts::Contacts;
+use crate::measure::walls;
+use crate::model::Model;
+use crate::relax::{Outcome, Workspace, relax};
+use crate::state::State;
+use crate::wall;
+
+/// A sub-increment is never smaller than this share of `solver.max_strain_increment`, so that
+/// decompression passes the point where the overlaps vanish.
+const LEAST_SHARE: f64 = 0.01;
+/// Halvings of a sub-increment that finds no equilibrium.
+const HALVINGS: u32 = 6;
+
+/// What an increment came to.
+#[derive(Clone, Copy, Debug)]
+pub struct Advance {
+    /// The last relaxation.
+    pub outcome: Outcome,
+    /// Equilibria on the way, the last included.
+    pub substeps: u32,
+    /// Newton steps of all relaxations.
+    pub iterations: u32,
+}
+
+/// Moves the walls of `state`, an equilibrium, to the displacement `target` \[m\] and relaxes.
+///
+/// When no equilibrium is found `state` is what it was before. `here` is the outcome that led to
+/// `state`.
+pub fn advance(
+    model: &Model,
+    state: &mut State,
+    work: &mut Workspace,
+    target: &[f64; wall::COUNT],
+    here: Outcome,
+) -> Advance {
+    let start = state.clone();
+    let mut last = state.clone();
+    let mut so_far = Advance { outcome: here, substeps: 0, iterations: 0 };
+    let mut forces = wall_forces(model, state, work);
+    while state.displacement != *target || so_far.substeps == 0 {
+        let parts = (remaining_strain(model, state, target) / strain_limit(model, &so_far.outcome))
+            .ceil()
+            .max(1.0);
+        let mut share = 1.0 / parts;
+        last.copy_from(state);
+        for attempt in 0.. {
+            move_walls(model, state, target, share);
+            let outcome = relax(model, state, work);
+            so_far.outcome = outcome;
+            so_far.iterations += outcome.iterations;
+            if outcome.status.is_equilibrium() {
+                break;
+            }
+            state.copy_from(&last);
+            if attempt == HALVINGS {
+                state.copy_from(&start);
+                return so_far;
+            }
+            share *= 0.5;
+        }
+        so_far.substeps += 1;
+        let next = wall_forces(model, state, work);
+        for w in 0..wall::COUNT {
+            let path = state.displacement[w] - last.displacement[w];
+            state.wall_work += 0.5 * (forces[w] + next[w]) * path;
+        }
+        forces = next;
+    }
+    so_far
+}
+
+fn wall_forces(model: &Model, state: &State, work: &mut Workspace) -> [f64; wall::COUNT] {
+    let bounds = state.bounds(model);
+    work.neighbours.refresh(model, &state.position, &bounds);
+    let contacts = Contacts::of(model, state, &work.neighbours);
+    walls::forces(model, state, &contacts.list).normal_force
+}
+
+/// Largest strain of an axis that is left, a shift of the whole box counted as a strain too.
+fn remaining_strain(model: &Model, state: &State, target: &[f64; wall::COUNT]) -> f64 {
+    let sides = state.bounds(model).sides();
+    (0..3)
+        .map(|axis| {
+            let left = |w: usize| (target[w] - state.displacement[w]).abs();
+            (left(2 * axis) + left(2 * axis + 1)) / sides[axis]
+        })
+        .fold(0.0, f64::max)
+}
+
+/// Largest strain of one sub-increment: a share of the mean overlap strain h/(2R), because
+/// contacts that open and close between two equilibria are what makes them hard to find.
+fn strain_limit(model: &Model, here: &Outcome) -> f64 {
+    let most = model.solver.max_strain_increment;
+    let overlap_strain = here.sums.mean_overlap() / (2.0 * model.mean_radius);
+    if overlap_strain == 0.0 {
+        return most;
+    }
+    (model.solver.max_overlap_share * overlap_strain).clamp(LEAST_SHARE * most, most)
+}
+
+/// Moves the walls by `share` of what is left to `target`, and the grains affinely with them.
+pub fn move_walls(model: &Model, state: &mut State, target: &[f64; wall::COUNT], share: f64) {
+    let before = state.bounds(model);
+    for (now, target) in state.displacement.iter_mut().zip(target) {
+        *now = if share >= 1.0 { *target } else { *now + share * (target - *now) };
+    }
+    let after = state.bounds(model);
+    let (low, new_low) = (Vec3::from(before.min), Vec3::from(after.min));
+    let scale = Vec3::from(after.sides()).component_div(&Vec3::from(before.sides()));
+    for at in &mut state.position {
+        *at = new_low + scale.component_mul(&(*at - low));
+    }
+}

@@ -1,0 +1,164 @@
+//! Newton's method on the energy: linearise, solve by conjugate gradients, accept what descends.
+
+use crate::Vec3;
+use crate::model::Model;
+use crate::relax::balance::Configuration;
+use crate::relax::linear::Inner;
+use crate::relax::{Status, Workspace};
+use crate::state::State;
+
+/// First shift, and the one below which it is dropped, over twice the mean of P/r.
+const FIRST_SHIFT: f64 = 0.02;
+/// Most that one linear solve may take.
+const MOST_PRODUCTS: u32 = 4000;
+/// Halvings of a step before it is shortened by a shift.
+const HALVINGS: u32 = 6;
+/// Shifted steps beyond convergence before a state counts as a minimum all the same.
+const EXTRA_STEPS: u32 = 4;
+
+/// What a Newton solve came to.
+#[derive(Clone, Copy, Debug)]
+pub struct Solved {
+    /// How it ended.
+    pub status: Status,
+    /// Largest unbalanced force over the mean contact force.
+    pub residual: f64,
+    /// Steps.
+    pub iterations: u32,
+}
+
+/// Relaxes the grains of `state` that carry load.
+pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
+    let bounds = state.bounds(model);
+    let tolerance = model.solver.tolerance;
+    let mut iterations = 0;
+    let mut extra = 0;
+    let mut shift = 0.0; // in units of 2 Σb/n
+    let mut shifted = false;
+    work.evaluate(model, &state.position, &state.carries, &bounds);
+    loop {
+        let sums = work.balance.sums;
+        let largest = work.balance.largest();
+        let mean_force = sums.mean_force();
+        let residual = residual(model, largest, mean_force);
+        let end = move |status| Solved { status, residual, iterations };
+        if !(largest.is_finite() && sums.energy.is_finite()) {
+            return end(Status::NonFinite);
+        }
+        if !model.has_gravity() && mean_force < work.negligible_force {
+            return Solved { residual: 0.0, ..end(Status::Unjammed) };
+        }
+        if residual <= tolerance {
+            // A state reached by a shifted step may still be a saddle: look once more.
+            if !shifted || extra == EXTRA_STEPS {
+                return end(Status::Converged);
+            }
+            extra += 1;
+        }
+        if iterations >= model.solver.max_iterations {
+            return end(Status::MaxIterations);
+        }
+        iterations += 1;
+        work.linear.assemble(&work.balance, &work.neighbours);
+        let forcing = (0.3 * tolerance / residual).clamp(0.1, 0.5);
+        match step(model, state, work, &bounds, &mut shift, forcing, largest) {
+            Some(used) => shifted = used,
+            None => return end(Status::Stalled),
+        }
+    }
+}
+
+/// Largest unbalanced force over the mean contact force; weights count where nothing touches.
+fn residual(model: &Model, largest: f64, mean_force: f64) -> f64 {
+    let weight = model.weight.iter().map(Vec3::norm).fold(0.0, f64::max);
+    largest / mean_force.max(weight).max(f64::MIN_POSITIVE)
+}
+
+/// Takes one accepted step; says whether it was shifted, `None` when no step descends.
+fn step(
+    model: &Model,
+    state: &mut State,
+    work: &mut Workspace,
+    bounds: &crate::wall::Bounds,
+    shift: &mut f64,
+    forcing: f64,
+    largest: f64,
+) -> Option<bool> {
+    let sums = work.balance.sums;
+    let unit = largest / work.reference_stiffness;
+    // Without contacts (grains that fall) any positive stiffness will do.
+    let bending = (2.0 * sums.bending / (model.len() as f64 * work.reference_stiffness)).max(1e-9);
+    let cap =
+        work.step_cap * if sums.contacts > 0 { sums.mean_overlap() } else { 0.1 * model.mean_radius };
+    while shift.is_finite() && *shift < 1e9 {
+        work.linear.factorise((*shift * bending) as f32);
+        let inner = work.linear.solve(&work.balance.gradient, largest, forcing, MOST_PRODUCTS);
+        let longest = (0..model.len())
+            .map(|i| work.linear.step(i, unit).norm_squared())
+            .fold(0.0, f64::max)
+            .sqrt();
+        if inner == Inner::Step && longest <= cap && longest.is_finite() {
+            let shifted = *shift > 0.0;
+            if let Some(whole) = search(model, state, work, bounds, unit) {
+                *shift = match () {
+                    () if !whole => (4.0 * *shift).max(FIRST_SHIFT),
+                    () if *shift <= FIRST_SHIFT => 0.0,
+                    () => *shift / 4.0,
+                };
+                return Some(shifted);
+            }
+        }
+        *shift = (4.0 * *shift).max(FIRST_SHIFT);
+    }
+    None
+}
+
+/// Backtracks along the step; says whether the whole step was taken, `None` when nothing descends.
+fn search(
+    model: &Model,
+    state: &mut State,
+    work: &mut Workspace,
+    bounds: &crate::wall::Bounds,
+    unit: f64,
+) -> Option<bool> {
+    let before = work.balance.sums.energy;
+    let slope: f64 =
+        (0..model.len()).map(|i| work.balance.gradient[i].dot(&work.linear.step(i, unit))).sum();
+    let square: f64 = work.balance.gradient.iter().map(Vec3::norm_squared).sum();
+    let mut factor = 1.0;
+    for _ in 0..=HALVINGS {
+        work.trial.clear();
+        work.trial.extend(
+            (0..model.len()).map(|i| state.position[i] + work.linear.step(i, unit) * factor),
+        );
+        work.neighbours.refresh(model, &work.trial, bounds);
+        work.trial_balance.evaluate(&Configuration {
+            model,
+            neighbours: &work.neighbours,
+            position: &work.trial,
+            carries: &state.carries,
+            bounds,
+            reference_stiffness: work.reference_stiffness,
+        });
+        let after = &work.trial_balance;
+        let change = after.sums.energy - before;
+        let size = before.abs().max(after.sums.energy.abs());
+        let slope_after = || -> f64 {
+            (0..model.len()).map(|i| after.gradient[i].dot(&work.linear.step(i, unit))).sum()
+        };
+        let square_after = || after.gradient.iter().map(Vec3::norm_squared).sum::<f64>();
+        let accepted = slope < 0.0
+            && (change <= 1e-4 * factor * slope
+                || (change.abs() <= 1e-10 * size && slope_after().abs() <= 0.9 * slope.abs())
+                || (change.abs() <= 1e-13 * size && square_after() < square));
+        if accepted {
+            std::mem::swap(&mut state.position, &mut work.trial);
+            std::mem::swap(&mut work.balance, &mut work.trial_balance);
+            return Some(factor == 1.0);
+        }
+        factor *= 0.5;
+    }
+    // The list may have been made for a trial that was refused.
+    work.neighbours.refresh(model, &state.position, bounds);
+    None
+}

@@ -1,0 +1,293 @@
+//! Rattlers: grains with too few contacts to carry load. They are left out of the balance, moved
+//! out of the way of those that carry, and taken in again where they turn out to be caught.
+
+use nalgebra::Matrix3;
+
+use crate::Vec3;
+use crate::contact::hertz;
+use crate::contact::neighbours::{Neighbours, wall_gap};
+use crate::model::Model;
+use crate::relax::Workspace;
+use crate::state::State;
+use crate::wall::{self, Bounds};
+
+/// Contacts with an overlap below this share of the mean do not count as support.
+const FAINT: f64 = 1e-4;
+/// Sweeps over the floating grains.
+const SWEEPS: u32 = 60;
+/// Steps of one grain in one sweep.
+const STEPS: u32 = 60;
+/// A contact of a floating grain is open when its force is below this share of the tolerance
+/// times the mean force.
+const OPEN: f64 = 0.1;
+
+/// Scratch of this module.
+#[derive(Clone, Debug, Default)]
+pub struct Rattlers {
+    /// Rows of every neighbour, both ways, for the grains that need it.
+    start: Vec<u32>,
+    near: Vec<(u32, f64)>,
+    degree: Vec<u32>,
+    stack: Vec<u32>,
+}
+
+impl Rattlers {
+    /// Lists the pairs both ways that satisfy `keep`, with Hertz' M.
+    fn list(&mut self, neighbours: &Neighbours, n: usize, keep: impl Fn(usize, usize) -> bool) {
+        self.start.clear();
+        self.start.resize(n + 1, 0);
+        let pairs = || {
+            (0..n).flat_map(|i| {
+                neighbours
+                    .row(i)
+                    .map(move |k| (i, neighbours.second[k] as usize, neighbours.modulus[k]))
+            })
+        };
+        for (i, j, _) in pairs().filter(|&(i, j, _)| keep(i, j)) {
+            self.start[i + 1] += 1;
+            self.start[j + 1] += 1;
+        }
+        for i in 0..n {
+            self.start[i + 1] += self.start[i];
+        }
+        self.near.clear();
+        self.near.resize(self.start[n] as usize, (0, 0.0));
+        self.degree.clear();
+        self.degree.resize(n, 0);
+        for (i, j, modulus) in pairs().filter(|&(i, j, _)| keep(i, j)) {
+            for (from, to) in [(i, j), (j, i)] {
+                self.near[(self.start[from] + self.degree[from]) as usize] = (to as u32, modulus);
+                self.degree[from] += 1;
+            }
+        }
+    }
+
+    fn row(&self, i: usize) -> &[(u32, f64)] {
+        &self.near[self.start[i] as usize..self.start[i + 1] as usize]
+    }
+}
+
+fn overlap(model: &Model, position: &[Vec3], i: usize, j: usize) -> f64 {
+    model.radius[i] + model.radius[j] - (position[i] - position[j]).norm()
+}
+
+/// Marks in `state.carries` the grains that are left when those with too few contacts are taken
+/// away, and then those that lost their support by it, and so on.
+pub fn find(model: &Model, state: &mut State, work: &mut Workspace) {
+    let n = model.len();
+    let bounds = state.bounds(model);
+    let position = &state.position;
+    work.neighbours.refresh(model, position, &bounds);
+    let Workspace { neighbours, rattlers, .. } = work;
+    let least = FAINT * mean_overlap(model, position, &bounds, neighbours);
+    rattlers.list(neighbours, n, |i, j| overlap(model, position, i, j) > least);
+    for (i, at) in position.iter().enumerate() {
+        for &wall in neighbours.walls_near(i) {
+            let gap = wall_gap(at, usize::from(wall), &bounds);
+            rattlers.degree[i] += u32::from(model.radius[i] - gap > least);
+        }
+    }
+    let needed = model.contacts_to_carry();
+    rattlers.stack.clear();
+    for i in 0..n {
+        state.carries[i] = rattlers.degree[i] >= needed;
+        if !state.carries[i] {
+            rattlers.stack.push(i as u32);
+        }
+    }
+    while let Some(i) = rattlers.stack.pop() {
+        for k in rattlers.start[i as usize]..rattlers.start[i as usize + 1] {
+            let j = rattlers.near[k as usize].0 as usize;
+            rattlers.degree[j] -= 1;
+            if state.carries[j] && rattlers.degree[j] < needed {
+                state.carries[j] = false;
+                rattlers.stack.push(j as u32);
+            }
+        }
+    }
+}
+
+fn mean_overlap(model: &Model, position: &[Vec3], bounds: &Bounds, near: &Neighbours) -> f64 {
+    let mut sum = 0.0;
+    let mut count = 0u32;
+    let mut add = |h: f64| {
+        if h > 0.0 {
+            sum += h;
+            count += 1;
+        }
+    };
+    for i in 0..model.len() {
+        for k in near.row(i) {
+            add(overlap(model, position, i, near.second[k] as usize));
+        }
+        for &wall in near.walls_near(i) {
+            add(model.radius[i] - wall_gap(&position[i], usize::from(wall), bounds));
+        }
+    }
+    sum / f64::from(count.max(1))
+}
+
+/// Moves floating grains out of the overlaps that they have; says whether some of them carry load
+/// after all and were taken into the balance.
+pub fn settle(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
+    if state.carries.iter().all(|&carries| carries) {
+        return false;
+    }
+    let bounds = state.bounds(model);
+    let mean = work.balance.sums.mean_force().max(work.negligible_force);
+    let open = OPEN * model.solver.tolerance * mean;
+    let Workspace { neighbours, rattlers, .. } = work;
+    let mut joined = false;
+    let mut listed = None;
+    for sweep in 0..=SWEEPS {
+        neighbours.refresh(model, &state.position, &bounds);
+        if listed != Some(neighbours.rebuilds) {
+            let carries = &state.carries;
+            rattlers.list(neighbours, model.len(), |i, j| !carries[i] || !carries[j]);
+            listed = Some(neighbours.rebuilds);
+        }
+        let mut quiet = true;
+        for i in 0..model.len() {
+            if state.carries[i] {
+                continue;
+            }
+            let site = Site { model, neighbours, rattlers, bounds: &bounds, grain: i };
+            match site.settle(&mut state.position, open) {
+                Settled::Free => {}
+                // Grains that keep pushing each other about are left to the balance.
+                Settled::Moved if sweep < SWEEPS => quiet = false,
+                Settled::Moved | Settled::Caught => {
+                    state.carries[i] = true;
+                    joined = true;
+                }
+            }
+        }
+        if quiet {
+            break;
+        }
+    }
+    joined
+}
+
+enum Settled {
+    /// It touches nothing that pushes it.
+    Free,
+    /// It was moved until nothing pushed it.
+    Moved,
+    /// Its contacts push it from all sides.
+    Caught,
+}
+
+/// One floating grain among its neighbours, which stay where they are.
+struct Site<'a> {
+    model: &'a Model,
+    neighbours: &'a Neighbours,
+    rattlers: &'a Rattlers,
+    bounds: &'a Bounds,
+    grain: usize,
+}
+
+/// Energy of one grain with its derivatives.
+struct Local {
+    energy: f64,
+    gradient: Vec3,
+    hessian: Matrix3<f64>,
+    /// Largest contact force \[N\].
+    force: f64,
+}
+
+impl Site<'_> {
+    /// Descends until no contact pushes with more than `open` or the grain is caught.
+    fn settle(&self, position: &mut [Vec3], open: f64) -> Settled {
+        let longest = 0.1 * self.model.radius[self.grain];
+        let mut at = position[self.grain];
+        let mut local = self.local(position, &at);
+        let mut moved = false;
+        for _ in 0..STEPS {
+            if !self.model.has_gravity() && local.force <= open {
+                position[self.grain] = at;
+                return if moved { Settled::Moved } else { Settled::Free };
+            }
+            if local.force > 0.0 && local.gradient.norm() <= 1e-3 * local.force {
+                position[self.grain] = at;
+                return Settled::Caught;
+            }
+            let mut step = local.step(longest);
+            let mut accepted = false;
+            for _ in 0..20 {
+                let next = self.local(position, &(at + step));
+                if next.energy < local.energy {
+                    at += step;
+                    local = next;
+                    accepted = true;
+                    moved = true;
+                    break;
+                }
+                step *= 0.5;
+            }
+            if !accepted {
+                break;
+            }
+        }
+        position[self.grain] = at;
+        if local.force > open { Settled::Caught } else { Settled::Moved }
+    }
+
+    fn local(&self, position: &[Vec3], at: &Vec3) -> Local {
+        let radius = self.model.radius[self.grain];
+        let mut local =
+            Local { energy: 0.0, gradient: Vec3::zeros(), hessian: Matrix3::zeros(), force: 0.0 };
+        for &(j, modulus) in self.rattlers.row(self.grain) {
+            let branch = at - position[j as usize];
+            let distance = branch.norm();
+            let overlap = radius + self.model.radius[j as usize] - distance;
+            if overlap > 0.0 && distance > 0.0 {
+                local.push(modulus, overlap, branch / distance, 1.0 / distance);
+            }
+        }
+        for &wall in self.neighbours.walls_near(self.grain) {
+            let wall = usize::from(wall);
+            let overlap = radius - wall_gap(at, wall, self.bounds);
+            if overlap > 0.0 {
+                let mut normal = Vec3::zeros();
+                normal[wall::axis(wall)] = wall::inward(wall);
+                local.push(self.neighbours.wall_modulus[self.grain], overlap, normal, 0.0);
+            }
+        }
+        if let Some(weight) = self.model.weight.get(self.grain) {
+            local.gradient -= weight;
+            local.energy -= weight.dot(&(at - Vec3::from(self.bounds.center())));
+        }
+        local
+    }
+}
+
+impl Local {
+    /// Adds one contact with normal `normal` towards the grain and curvature 1/r of the pair.
+    fn push(&mut self, modulus: f64, overlap: f64, normal: Vec3, curvature: f64) {
+        let force = hertz::force(modulus, overlap);
+        let bending = force * curvature;
+        self.energy += hertz::energy(force, overlap);
+        self.gradient -= normal * force;
+        self.force = self.force.max(force);
+        self.hessian +=
+            normal * normal.transpose() * (hertz::stiffness(modulus, overlap) + bending)
+                - Matrix3::identity() * bending;
+    }
+
+    /// A step downhill, no longer than `longest`. One and a half Newton steps open a Hertz
+    /// contact at once, because P ~ h^1.5.
+    fn step(&self, longest: f64) -> Vec3 {
+        let eigen = self.hessian.symmetric_eigen();
+        let floor = 1e-3 * eigen.eigenvalues.amax();
+        let step: Vec3 = (0..3)
+            .map(|k| {
+                let axis = eigen.eigenvectors.column(k).into_owned();
+                let curvature = eigen.eigenvalues[k].abs().max(floor).max(f64::MIN_POSITIVE);
+                axis * (-1.5 * axis.dot(&self.gradient) / curvature)
+            })
+            .sum();
+        let length = step.norm();
+        if length > longest { step * (longest / length) } else { step }
+    }
+}

@@ -1,0 +1,48 @@
+//! The ROS 2 node.
+
+use serde::{Deserialize, Serialize};
+
+use super::check::{Field, Problems};
+
+/// Highest DDS domain whose ports exist (RTPS 9.6.1.1).
+const MAX_DOMAIN: u64 = 232;
+
+/// The ROS 2 node.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Node {
+    /// How far discovery reaches.
+    pub discovery: Discovery,
+    /// DDS domain, 0 to 232; 0 = that of `ROS_DOMAIN_ID`, or 0 when it is not set.
+    pub domain_id: u16,
+    /// Commands older than this are refused \[s\]; 0 = never.
+    pub stale_after: f64,
+    /// A rig inside the program publishes the load path as commands through DDS.
+    pub virtual_rig: bool,
+}
+
+impl Default for Node {
+    fn default() -> Self {
+        Self { discovery: Discovery::Localhost, domain_id: 0, stale_after: 0.0, virtual_rig: false }
+    }
+}
+
+impl Node {
+    pub(super) fn check(&self, at: &Field, problems: &mut Problems) {
+        problems.count(at.key("domain_id"), u64::from(self.domain_id), 0, MAX_DOMAIN);
+        problems.number(at.key("stale_after"), self.stale_after, "stale_after >= 0 s", |seconds| {
+            seconds >= 0.0
+        });
+    }
+}
+
+/// How far discovery reaches.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Discovery {
+    /// Loopback only.
+    #[default]
+    Localhost,
+    /// Every interface.
+    Subnet,
+}

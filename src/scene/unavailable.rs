@@ -1,0 +1,111 @@
+//! Keys and values of the scene format that this version cannot serve.
+//!
+//! They are looked up in the file as written, so that the message can say more than that a word
+//! is unknown. A row goes when its feature comes.
+
+use serde_saphyr::Spanned;
+
+use super::check::{Field, Problems, Segment};
+use super::tree::{self, Place, Tree};
+
+struct Row {
+    /// The last keys of the field; list indices do not count.
+    keys: &'static [&'static str],
+    value: Value,
+    text: &'static str,
+}
+
+/// Which values of the field are meant.
+enum Value {
+    /// These words, alone or as the key of a mapping.
+    Words(&'static [&'static str]),
+    /// Every mapping.
+    Mapping,
+    /// Whatever stands there.
+    Any,
+}
+
+const TABLE: &[Row] = &[
+    Row {
+        keys: &["contact", "normal"],
+        value: Value::Words(&["cement", "linear"]),
+        text: "this version has no cemented and no linear contacts; allowed: hertz",
+    },
+    Row {
+        keys: &["contact", "friction"],
+        value: Value::Mapping,
+        text: "this version has no friction between grains; allowed: none",
+    },
+    Row {
+        keys: &["rig_log", "lateral"],
+        value: Value::Words(&["free"]),
+        text: "this version has no stress-controlled walls; allowed: constant_volume, fixed",
+    },
+    Row {
+        keys: &["outputs", "moduli"],
+        value: Value::Words(&["tangent", "both"]),
+        text: "this version computes no tangent moduli; allowed: secant, none",
+    },
+    Row {
+        keys: &["outputs", "markers"],
+        value: Value::Words(&["always"]),
+        text: "this version publishes no markers; allowed: on_demand, never",
+    },
+    Row {
+        keys: &["node", "topics"],
+        value: Value::Any,
+        text: "this version maps no topics; the names are those of the node; allowed: no such key",
+    },
+    Row {
+        keys: &["node", "joint_states"],
+        value: Value::Any,
+        text: "this version takes commands from ~/boundary_command only; allowed: no such key",
+    },
+    Row {
+        keys: &["node", "joint_trajectory"],
+        value: Value::Any,
+        text: "this version takes commands from ~/boundary_command only; allowed: no such key",
+    },
+    Row {
+        keys: &["node", "measured_wrench"],
+        value: Value::Any,
+        text: "this version compares no load cells with the twin; allowed: no such key",
+    },
+    Row {
+        keys: &["node", "limits"],
+        value: Value::Any,
+        text: "this version has no limits of travel, rate or force; allowed: no such key",
+    },
+];
+
+/// Finds what the file asks for in vain.
+pub(super) fn check(root: &Spanned<Tree>, problems: &mut Problems) {
+    tree::walk(root, &Field::root(), &mut |field, place, _, value| {
+        if place == Place::Key {
+            let row =
+                TABLE.iter().find(|row| ends_with(field, row.keys) && meant(&row.value, value));
+            if let Some(row) = row {
+                problems.add(field.clone(), row.text);
+            }
+        }
+    });
+}
+
+fn ends_with(field: &Field, keys: &[&str]) -> bool {
+    let mut names = field.0.iter().rev().filter_map(|segment| match segment {
+        Segment::Key(key) => Some(key.as_str()),
+        Segment::Index(_) => None,
+    });
+    keys.iter().rev().all(|key| names.next() == Some(key))
+}
+
+fn meant(value: &Value, found: &Tree) -> bool {
+    match (value, found) {
+        (Value::Any, _) | (Value::Mapping, Tree::Map(_)) => true,
+        (Value::Words(words), Tree::Scalar(word)) => words.contains(&word.as_str()),
+        (Value::Words(words), Tree::Map(entries)) => {
+            entries.iter().any(|(key, _)| words.contains(&key.value.as_str()))
+        }
+        _ => false,
+    }
+}

@@ -1,0 +1,32 @@
+//! The walls' material.
+
+use serde::{Deserialize, Serialize};
+
+use super::check::{Field, Problems};
+
+/// The elastic walls; T 2.7.1 takes 100 times the grains' modulus.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Walls {
+    /// Young's modulus \[Pa\], above 0.
+    pub young: f64,
+    /// Poisson's ratio, -1 < ν < 0.5.
+    pub poisson: f64,
+    /// Coefficient of friction between grains and walls, at least 0.
+    pub friction: f64,
+}
+
+impl Default for Walls {
+    fn default() -> Self {
+        Self { young: 7.0e12, poisson: 0.495, friction: 0.3 }
+    }
+}
+
+impl Walls {
+    pub(super) fn check(&self, at: &Field, problems: &mut Problems) {
+        problems.positive(at.key("young"), self.young, "young > 0 Pa");
+        problems
+            .number(at.key("poisson"), self.poisson, "-1 < nu < 0.5", |nu| -1.0 < nu && nu < 0.5);
+        problems.number(at.key("friction"), self.friction, "friction >= 0", |mu| mu >= 0.0);
+    }
+}
