@@ -6,6 +6,8 @@ pub mod contact;
 pub mod measure;
 pub mod model;
 pub mod msg;
+#[cfg(feature = "ros")]
+pub mod node;
 pub mod pack;
 pub mod path;
 #[cfg(feature = "mcap")]
