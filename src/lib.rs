@@ -6,8 +6,12 @@ pub mod contact;
 pub mod measure;
 pub mod model;
 pub mod msg;
+#[cfg(feature = "ros")]
+pub mod node;
 pub mod pack;
 pub mod path;
+#[cfg(feature = "mcap")]
+pub mod record;
 pub mod relax;
 pub mod report;
 pub mod scene;

@@ -6,6 +6,8 @@
 //! [`standard`]: the generated crates for them hold thousands of types, and tie a build without
 //! DDS to their choice of it.
 
+#[cfg(feature = "mcap")]
+pub mod cdr;
 pub mod convert;
 pub mod graintwin;
 pub mod schema;

@@ -21,6 +21,11 @@ use rattlers::Rattlers;
 /// Times that floating grains which turn out to carry load may join the balance.
 const ROUNDS: u32 = 40;
 
+/// Residuals of the descents from an unstable configuration, one after the other.
+const DESCENTS: [f64; 5] = [1e-3, 3e-4, 1e-4, 1e-5, 1e-6];
+/// Steps of a descent.
+const MOST_DESCENT: u32 = 100_000;
+
 /// How a relaxation ended. All but the first two leave no state to trust.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
@@ -30,6 +35,8 @@ pub enum Status {
     Unjammed,
     /// The steps ran out.
     MaxIterations,
+    /// Newton's method found no minimum nearby: the pack is on its way to another one.
+    Unstable,
     /// No step descends any more: the tolerance is below what rounding allows.
     Stalled,
     /// A position or force is not finite.
@@ -53,14 +60,21 @@ pub struct Outcome {
     pub residual: f64,
     /// Newton steps.
     pub iterations: u32,
+    /// Inertial descents, each from a configuration that was unstable.
+    pub descents: u32,
     /// Sums at the end.
     pub sums: Sums,
 }
 
 impl Outcome {
     /// Before the first relaxation.
-    pub const NONE: Self =
-        Self { status: Status::Unjammed, residual: 0.0, iterations: 0, sums: Sums::NONE };
+    pub const NONE: Self = Self {
+        status: Status::Unjammed,
+        residual: 0.0,
+        iterations: 0,
+        descents: 0,
+        sums: Sums::NONE,
+    };
 }
 
 /// Scratch that may be thrown away at any time.
@@ -76,6 +90,8 @@ pub struct Workspace {
     pub reference_stiffness: f64,
     /// Newton steps longer than this many mean overlaps are shortened by a shift of the Hessian.
     pub step_cap: f64,
+    /// Shift of each grain's block, shape (n).
+    shift: Vec<f32>,
     trial: Vec<Vec3>,
     trial_balance: Balance,
     rattlers: Rattlers,
@@ -94,6 +110,7 @@ impl Workspace {
             linear: Linear::default(),
             reference_stiffness: hertz::stiffness(modulus, 1e-2 * model.mean_radius),
             step_cap: 1.0,
+            shift: Vec::with_capacity(model.len()),
             trial: Vec::with_capacity(model.len()),
             trial_balance: Balance::default(),
             rattlers: Rattlers::default(),
@@ -123,27 +140,39 @@ impl Workspace {
 
 /// Relaxes `state` at its walls. On a status that is no equilibrium the state is not to be used.
 pub fn relax(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
+    let mut outcome = newton(model, state, work);
+    for residual in DESCENTS {
+        if outcome.status != Status::Unstable && outcome.status != Status::Stalled {
+            break;
+        }
+        let goal = fire::Goal { residual, pressure: None, steps: MOST_DESCENT };
+        fire::descend(model, state, work, goal);
+        let (iterations, descents) = (outcome.iterations, outcome.descents);
+        outcome = newton(model, state, work);
+        outcome.iterations += iterations;
+        outcome.descents += descents + 1;
+    }
+    outcome
+}
+
+/// Relaxes by Newton's method alone.
+fn newton(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
     let mut iterations = 0;
     rattlers::find(model, state, work);
-    for round in 0.. {
+    for round in 0..=ROUNDS {
         let solved = newton::solve(model, state, work);
         iterations += solved.iterations;
-        let outcome = |status| Outcome {
-            status,
-            residual: solved.residual,
-            iterations,
-            sums: work.balance.sums,
-        };
+        let (residual, sums) = (solved.residual, work.balance.sums);
+        let outcome = |status| Outcome { status, residual, iterations, sums, descents: 0 };
         if !solved.status.is_equilibrium() {
+            return outcome(solved.status);
+        }
+        if !rattlers::settle(model, state, work) {
             return outcome(solved.status);
         }
         if round == ROUNDS {
             return outcome(Status::MaxIterations);
         }
-        let settled = outcome(solved.status);
-        if !rattlers::settle(model, state, work) {
-            return settled;
-        }
     }
-    unreachable!("the loop returns at the last round")
+    unreachable!("the loop returns in its last round")
 }

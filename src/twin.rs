@@ -106,8 +106,8 @@ impl Twin {
             }
         };
         report.substeps = u32::from(outcome.iterations > 0);
-        let reached =
-            Advance { outcome, substeps: report.substeps, iterations: outcome.iterations };
+        let Outcome { iterations, descents, .. } = outcome;
+        let reached = Advance { outcome, substeps: report.substeps, iterations, descents };
         report.measures = Some(self.measure(Stamp::default(), &reached, demand));
         report
     }
@@ -153,6 +153,12 @@ impl Twin {
         if reached.outcome.status == Status::Unjammed {
             report.text = join(&report.text, UNJAMMED);
         }
+        if reached.descents > 0 {
+            report.text = join(
+                &report.text,
+                "unstable on the way: the grains were followed downhill to another equilibrium",
+            );
+        }
         self.gate.served(command, Some(target), &report);
         report.measures = Some(self.measure(command.stamp, &reached, demand));
         report
@@ -178,6 +184,10 @@ impl Twin {
             Status::MaxIterations => format!(
                 "no equilibrium in {} Newton steps: residual {residual:.1e}, {tolerance:.1e} asked",
                 outcome.iterations
+            ),
+            Status::Unstable => format!(
+                "unstable: residual {residual:.1e} after {} descents, {tolerance:.1e} asked",
+                outcome.descents
             ),
             Status::Stalled => format!(
                 "no step descends any more at residual {residual:.1e}, {tolerance:.1e} asked: \

@@ -23,6 +23,8 @@ pub struct Advance {
     pub substeps: u32,
     /// Newton steps of all relaxations.
     pub iterations: u32,
+    /// Inertial descents of all relaxations, each from a configuration that was unstable.
+    pub descents: u32,
 }
 
 /// Moves the walls of `state`, an equilibrium, to the displacement `target` \[m\] and relaxes.
@@ -38,7 +40,7 @@ pub fn advance(
 ) -> Advance {
     let start = state.clone();
     let mut last = state.clone();
-    let mut so_far = Advance { outcome: here, substeps: 0, iterations: 0 };
+    let mut so_far = Advance { outcome: here, substeps: 0, iterations: 0, descents: 0 };
     let mut forces = wall_forces(model, state, work);
     while state.displacement != *target || so_far.substeps == 0 {
         let parts = (remaining_strain(model, state, target) / strain_limit(model, &so_far.outcome))
@@ -51,6 +53,7 @@ pub fn advance(
             let outcome = relax(model, state, work);
             so_far.outcome = outcome;
             so_far.iterations += outcome.iterations;
+            so_far.descents += outcome.descents;
             if outcome.status.is_equilibrium() {
                 break;
             }

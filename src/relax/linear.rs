@@ -83,15 +83,16 @@ impl Linear {
         }
     }
 
-    /// Factorises H + `shift` I, the shift in units of the reference stiffness.
-    pub fn factorise(&mut self, shift: f32) {
+    /// Factorises H + Σ, where Σ shifts the block of grain i by `shift[i]` in units of the
+    /// reference stiffness.
+    pub fn factorise(&mut self, shift: &[f32]) {
         let rows = self.diagonal.len();
         self.factor.clear();
-        self.factor.extend(self.diagonal.iter().map(|d| d.shifted(shift)));
+        self.factor.extend(self.diagonal.iter().zip(shift).map(|(d, s)| d.shifted(*s)));
         self.inverse.resize(rows, Sym3::default());
         self.excess.resize(rows, Sym3::default());
         for i in 0..rows {
-            let diagonal = self.diagonal[i].shifted(shift);
+            let diagonal = self.diagonal[i].shifted(shift[i]);
             let floor = SMALL_PIVOT * (diagonal.trace().abs() / 3.0).max(f32::MIN_POSITIVE);
             let (factor, inverse) = self.factor[i].inverse_lifted(floor);
             self.factor[i] = factor;
@@ -103,7 +104,7 @@ impl Linear {
         }
     }
 
-    /// Solves (H + shift) s = -g until the preconditioned residual fell by `forcing`.
+    /// Solves (H + Σ) s = -g until the preconditioned residual fell by `forcing`.
     ///
     /// `unit` is the force that right-hand side and step are scaled by.
     pub fn solve(&mut self, gradient: &[Vec3], unit: f64, forcing: f64, most: u32) -> Inner {
@@ -153,6 +154,13 @@ impl Linear {
     pub fn step(&self, i: usize, unit: f64) -> Vec3 {
         let s = &self.step[i];
         Vec3::new(f64::from(s[0]), f64::from(s[1]), f64::from(s[2])) * unit
+    }
+
+    /// How far grain `i` moves along the last direction, in no particular unit: after
+    /// [`Inner::NegativeCurvature`] this is the direction along which the energy is concave.
+    #[must_use]
+    pub fn direction(&self, i: usize) -> f32 {
+        self.t[i].iter().map(|t| t * t).sum::<f32>().sqrt()
     }
 
     /// residual ← (Δ + L)⁻¹ residual.

@@ -6,9 +6,16 @@ use crate::relax::balance::Configuration;
 use crate::relax::linear::Inner;
 use crate::relax::{Status, Workspace};
 use crate::state::State;
+use crate::wall::Bounds;
 
-/// First shift, and the one below which it is dropped, over twice the mean of P/r.
-const FIRST_SHIFT: f64 = 0.02;
+/// First shift of a grain, and the one below which it is dropped, over the sum of P/r of a grain.
+const FIRST_SHIFT: f64 = 0.1;
+/// Grains that move at least this share of the one that moves most are part of a concave direction.
+const INVOLVED: f32 = 0.3;
+/// Shifted steps in a row after which the configuration counts as unstable.
+const MOST_SHIFTED: u32 = 20;
+/// Shifts tried in one step.
+const MOST_SHIFTS: u32 = 60;
 /// Most that one linear solve may take.
 const MOST_PRODUCTS: u32 = 4000;
 /// Halvings of a step before it is shortened by a shift.
@@ -33,8 +40,10 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
     let tolerance = model.solver.tolerance;
     let mut iterations = 0;
     let mut extra = 0;
-    let mut shift = 0.0; // in units of 2 Σb/n
+    work.shift.clear();
+    work.shift.resize(model.len(), 0.0);
     let mut shifted = false;
+    let mut in_a_row = 0;
     work.evaluate(model, &state.position, &state.carries, &bounds);
     loop {
         let sums = work.balance.sums;
@@ -61,9 +70,13 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
         iterations += 1;
         work.linear.assemble(&work.balance, &work.neighbours);
         let forcing = (0.3 * tolerance / residual).clamp(0.1, 0.5);
-        match step(model, state, work, &bounds, &mut shift, forcing, largest) {
+        match step(model, state, work, &bounds, forcing, largest) {
             Some(used) => shifted = used,
             None => return end(Status::Stalled),
+        }
+        in_a_row = if shifted { in_a_row + 1 } else { 0 };
+        if in_a_row > MOST_SHIFTED {
+            return Solved { iterations, ..end(Status::Unstable) };
         }
     }
 }
@@ -75,12 +88,15 @@ fn residual(model: &Model, largest: f64, mean_force: f64) -> f64 {
 }
 
 /// Takes one accepted step; says whether it was shifted, `None` when no step descends.
+///
+/// Where the energy is concave, or a grain would move further than it can be trusted to, only
+/// the grains concerned are held back, by a shift of their own blocks: one grain on the jump must
+/// not stop the others.
 fn step(
     model: &Model,
     state: &mut State,
     work: &mut Workspace,
-    bounds: &crate::wall::Bounds,
-    shift: &mut f64,
+    bounds: &Bounds,
     forcing: f64,
     largest: f64,
 ) -> Option<bool> {
@@ -88,27 +104,44 @@ fn step(
     let unit = largest / work.reference_stiffness;
     // Without contacts (grains that fall) any positive stiffness will do.
     let bending = (2.0 * sums.bending / (model.len() as f64 * work.reference_stiffness)).max(1e-9);
-    let cap =
-        work.step_cap * if sums.contacts > 0 { sums.mean_overlap() } else { 0.1 * model.mean_radius };
-    while shift.is_finite() && *shift < 1e9 {
-        work.linear.factorise((*shift * bending) as f32);
+    let first = (FIRST_SHIFT * bending) as f32;
+    let cap = work.step_cap
+        * if sums.contacts > 0 { sums.mean_overlap() } else { 0.1 * model.mean_radius };
+    for _ in 0..MOST_SHIFTS {
+        work.linear.factorise(&work.shift);
         let inner = work.linear.solve(&work.balance.gradient, largest, forcing, MOST_PRODUCTS);
-        let longest = (0..model.len())
-            .map(|i| work.linear.step(i, unit).norm_squared())
-            .fold(0.0, f64::max)
-            .sqrt();
-        if inner == Inner::Step && longest <= cap && longest.is_finite() {
-            let shifted = *shift > 0.0;
-            if let Some(whole) = search(model, state, work, bounds, unit) {
-                *shift = match () {
-                    () if !whole => (4.0 * *shift).max(FIRST_SHIFT),
-                    () if *shift <= FIRST_SHIFT => 0.0,
-                    () => *shift / 4.0,
-                };
-                return Some(shifted);
+        if inner == Inner::NegativeCurvature {
+            let most = (0..model.len()).map(|i| work.linear.direction(i)).fold(0.0, f32::max);
+            for (i, shift) in work.shift.iter_mut().enumerate() {
+                if work.linear.direction(i) >= INVOLVED * most {
+                    *shift = (4.0 * *shift).max(first);
+                }
+            }
+            continue;
+        }
+        let mut held_back = false;
+        for (i, shift) in work.shift.iter_mut().enumerate() {
+            if work.linear.step(i, unit).norm() > cap {
+                *shift = (4.0 * *shift).max(first);
+                held_back = true;
             }
         }
-        *shift = (4.0 * *shift).max(FIRST_SHIFT);
+        if held_back {
+            continue;
+        }
+        let shifted = work.shift.iter().any(|&shift| shift > 0.0);
+        let Some(whole) = search(model, state, work, bounds, unit) else {
+            work.shift.iter_mut().for_each(|shift| *shift = (4.0 * *shift).max(first));
+            continue;
+        };
+        for shift in &mut work.shift {
+            *shift = match () {
+                () if !whole => *shift,
+                () if *shift <= first => 0.0,
+                () => *shift / 4.0,
+            };
+        }
+        return Some(shifted);
     }
     None
 }
@@ -118,7 +151,7 @@ fn search(
     model: &Model,
     state: &mut State,
     work: &mut Workspace,
-    bounds: &crate::wall::Bounds,
+    bounds: &Bounds,
     unit: f64,
 ) -> Option<bool> {
     let before = work.balance.sums.energy;

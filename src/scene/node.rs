@@ -13,7 +13,7 @@ const MAX_DOMAIN: u64 = 232;
 pub struct Node {
     /// How far discovery reaches.
     pub discovery: Discovery,
-    /// DDS domain, 0 to 232.
+    /// DDS domain, 0 to 232; 0 = that of `ROS_DOMAIN_ID`, or 0 when it is not set.
     pub domain_id: u16,
     /// Commands older than this are refused \[s\]; 0 = never.
     pub stale_after: f64,

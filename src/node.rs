@@ -1,0 +1,300 @@
+//! The twin as a ROS 2 node over DDS: commands in, answers out.
+//!
+//! The node is `/graintwin`; its topics, with their types and qualities of service, are those of
+//! [`crate::msg::topics`]. It needs no ROS 2 installation. Who does what:
+//!
+//! ```text
+//! topic -> receive task -> bounded queue -> solver's thread -> queue -> outbox task -> topics
+//!                                                                          |
+//!                                                                    frames task -> contact network
+//! ```
+//!
+//! The tasks run on two threads of the node's own. Commands are never dropped on their way to the
+//! solver; messages are never dropped on their way out, except contact networks, of which only as
+//! many go out as the network carries. The solver's thread waits for commands and for nothing
+//! else.
+//!
+//! ```no_run
+//! # use std::sync::{Arc, atomic::AtomicBool};
+//! # use graintwin::{command::Command, node::Node, report::Demand, scene, sink::{Served, Sink}};
+//! # fn run(
+//! #     scene: &scene::Scene,
+//! #     serve: fn(&Command, Demand) -> Arc<Served>,
+//! # ) -> Result<(), graintwin::node::NodeError> {
+//! let stop = Arc::new(AtomicBool::new(false)); // raised by SIGINT and SIGTERM
+//! let mut node = Node::start(&scene.node, &scene.outputs, &stop)?;
+//! let mut sink = node.sink();
+//! for command in node.commands() {
+//!     sink.served(&serve(&command, sink.demand()));
+//! }
+//! let summary = node.stop();
+//! # Ok(()) }
+//! ```
+
+mod commands;
+mod counters;
+mod endpoints;
+mod frames;
+mod outbox;
+mod participant;
+pub mod rig;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use ros2_client::{Context, NodeName, NodeOptions};
+use tokio::runtime::{Builder, Runtime};
+use tokio::sync::{mpsc, oneshot};
+use tokio::task::JoinHandle;
+use tokio::time::{sleep, timeout};
+
+pub use commands::{Commands, EndOfCommands};
+use counters::Counters;
+pub use counters::Summary;
+use endpoints::Endpoints;
+pub use outbox::NodeSink;
+use outbox::{Item, Outbox};
+
+use crate::msg::topics;
+use crate::scene::{self, Outputs};
+
+/// Log directives for the middleware, to go before those of the user. At WARN it tells, on a
+/// machine where loopback has no multicast, of every message that it then sends another way; the
+/// targets that are off do the same at ERROR, as when asked about a publisher that nobody
+/// subscribed to yet.
+pub const LOG_FILTER: &str = "ros2_client=error,ros2_client::node=off,\
+                              rustdds=error,rustdds::dds::pubsub=off,\
+                              rustdds::network::udp_listener=off";
+
+/// Threads of the node: one can be busy with a large message while the other takes commands.
+const THREADS: usize = 2;
+
+/// How often the stop flag is looked at.
+const LOOK: Duration = Duration::from_millis(10);
+
+/// Longest wait at the end for what is still to be published.
+const DRAIN: Duration = Duration::from_secs(5);
+
+/// The same when the stop flag is raised: a person or `ros2 launch` waits.
+const DRAIN_WHEN_STOPPED: Duration = Duration::from_millis(300);
+
+/// How long a node that has published everything stays, so that subscribers can ask again for
+/// samples that they lost: two heartbeats of its publishers.
+const LINGER: Duration = Duration::from_millis(200);
+
+/// Longest wait for the background task of the node to end.
+const SPINNER_END: Duration = Duration::from_secs(1);
+
+/// Why the node cannot start.
+#[derive(Debug, thiserror::Error)]
+pub enum NodeError {
+    /// A domain that does not exist.
+    #[error("{origin} is `{found}`: a whole number from 0 to 232 is allowed")]
+    DomainOutOfRange {
+        /// Key of the scene or name of the variable.
+        origin: &'static str,
+        /// What it holds.
+        found: String,
+    },
+    /// No participant in the domain.
+    #[error("cannot join DDS domain {domain}: {reason}")]
+    Domain {
+        /// The domain.
+        domain: u16,
+        /// What the middleware says.
+        reason: String,
+    },
+    /// No threads for the node.
+    #[error("cannot start the threads of the node: {0}")]
+    Threads(#[from] std::io::Error),
+    /// No node.
+    #[error("cannot create the ROS 2 node `{name}`: {reason}")]
+    Node {
+        /// Its name.
+        name: &'static str,
+        /// What the middleware says.
+        reason: String,
+    },
+    /// No publisher or subscription.
+    #[error("cannot create the endpoint of {topic}: {reason}")]
+    Endpoint {
+        /// Full name of the topic.
+        topic: String,
+        /// What the middleware says.
+        reason: String,
+    },
+}
+
+/// The running node. [`Node::stop`] ends it in order; dropping it ends it at once.
+pub struct Node {
+    commands: Commands,
+    end_of_commands: EndOfCommands,
+    outbox: mpsc::UnboundedSender<Item>,
+    counters: Arc<Counters>,
+    outputs: Outputs,
+    stop: Arc<AtomicBool>,
+    tasks: Vec<JoinHandle<()>>,
+    spinner: JoinHandle<()>,
+    // Last and in this order: endpoints, the runtime whose tasks use them, the context of all.
+    endpoints: Arc<Endpoints>,
+    runtime: Runtime,
+    context: Context,
+}
+
+impl Node {
+    /// Joins the domain and starts the node's threads. When it returns, every endpoint exists.
+    ///
+    /// The domain is `options.domain_id`, or `ROS_DOMAIN_ID` of the environment when that is 0.
+    /// A raised `stop` ends [`Node::commands`] within milliseconds.
+    ///
+    /// # Errors
+    /// When the domain is out of range or the middleware refuses something.
+    pub fn start(
+        options: &scene::Node,
+        outputs: &Outputs,
+        stop: &Arc<AtomicBool>,
+    ) -> Result<Self, NodeError> {
+        let context = participant::join(options)?;
+        let (ros_node, spinner) = create(&context, topics::NODE)?;
+        let (endpoints, subscription) = Endpoints::new(ros_node)?;
+        let endpoints = Arc::new(endpoints);
+        let runtime = Builder::new_multi_thread()
+            .worker_threads(THREADS)
+            .thread_name("ros")
+            .enable_time()
+            .build()?;
+        let counters = Arc::<Counters>::default();
+
+        let spinner = runtime.spawn(spin(spinner));
+        let (commands_in, commands_out) = mpsc::channel(commands::WAITING);
+        let receiving =
+            runtime.spawn(commands::receive(subscription, commands_in, Arc::clone(&counters)));
+        let end_of_commands = EndOfCommands(receiving.abort_handle());
+        let stopping = runtime.spawn(end_when_stopped(Arc::clone(stop), end_of_commands.clone()));
+        let (frames_in, frames_out) = mpsc::unbounded_channel();
+        let pacing =
+            runtime.spawn(frames::send(frames_out, Arc::clone(&endpoints), Arc::clone(&counters)));
+        let (outbox_in, outbox_out) = mpsc::unbounded_channel();
+        let outbox = Outbox {
+            endpoints: Arc::clone(&endpoints),
+            frames: frames_in,
+            counters: Arc::clone(&counters),
+        };
+        let publishing = runtime.spawn(outbox.run(outbox_out));
+
+        tracing::info!("node /{} is in DDS domain {}", topics::NODE, context.domain_id());
+        Ok(Self {
+            commands: Commands::new(commands_out, Arc::clone(stop)),
+            end_of_commands,
+            outbox: outbox_in,
+            counters,
+            outputs: *outputs,
+            stop: Arc::clone(stop),
+            tasks: vec![receiving, stopping, pacing, publishing],
+            spinner,
+            endpoints,
+            runtime,
+            context,
+        })
+    }
+
+    /// Where the twin's answers go. One is enough.
+    #[must_use]
+    pub fn sink(&self) -> NodeSink {
+        NodeSink::new(
+            self.outbox.clone(),
+            &self.endpoints,
+            Arc::clone(&self.counters),
+            self.outputs,
+        )
+    }
+
+    /// The commands of the rig. Waits for each; see [`Commands`] for the end.
+    pub fn commands(&mut self) -> &mut Commands {
+        &mut self.commands
+    }
+
+    /// A handle for whoever knows that the rig is done.
+    #[must_use]
+    pub fn end_of_commands(&self) -> EndOfCommands {
+        self.end_of_commands.clone()
+    }
+
+    /// Publishes what is left, within bounds, and leaves the domain: peers see the node go.
+    pub fn stop(self) -> Summary {
+        let stopped = self.stop.load(Ordering::Relaxed);
+        let limit = if stopped { DRAIN_WHEN_STOPPED } else { DRAIN };
+        self.end_of_commands.declare();
+        self.runtime.block_on(async {
+            // Past the limit, the summary counts what is left.
+            timeout(limit, drained(&self.outbox, &self.counters)).await.ok();
+            if self.endpoints.any_listener() {
+                sleep(LINGER).await;
+            }
+            for task in self.tasks {
+                task.abort();
+                // An error says that it was aborted.
+                task.await.ok();
+            }
+            drop(self.endpoints);
+            if timeout(SPINNER_END, self.spinner).await.is_err() {
+                tracing::warn!("the node's background task did not end within {SPINNER_END:?}");
+            }
+        });
+        drop(self.context);
+        let summary = self.counters.summary();
+        if summary.frames_skipped > 0 {
+            tracing::warn!(
+                "{} contact networks were not published, {} were: the network is slower than the \
+                 twin",
+                summary.frames_skipped,
+                summary.frames
+            );
+        }
+        summary
+    }
+}
+
+/// A node of `context` at the root of the name space, and the background task it needs.
+fn create(
+    context: &Context,
+    name: &'static str,
+) -> Result<(ros2_client::Node, ros2_client::Spinner), NodeError> {
+    let failed = |reason: String| NodeError::Node { name, reason };
+    let node_name = NodeName::new("/", name).map_err(|error| failed(error.to_string()))?;
+    // The parameter services of the middleware speak to one of the two common RMWs only, and make
+    // the tools of the other hang.
+    let options = NodeOptions::new().start_parameter_services(false);
+    let mut node =
+        context.new_node(node_name, options).map_err(|error| failed(error.to_string()))?;
+    let spinner = node.spinner().map_err(|error| failed(error.to_string()))?;
+    Ok((node, spinner))
+}
+
+async fn spin(spinner: ros2_client::Spinner) {
+    if let Err(error) = spinner.spin().await {
+        tracing::error!("the node does not follow who comes and goes: {error}");
+    }
+}
+
+async fn end_when_stopped(stop: Arc<AtomicBool>, commands: EndOfCommands) {
+    while !stop.load(Ordering::Relaxed) {
+        sleep(LOOK).await;
+    }
+    commands.declare();
+}
+
+/// Returns when everything that was queued is published.
+async fn drained(outbox: &mpsc::UnboundedSender<Item>, counters: &Counters) {
+    let (done, flushed) = oneshot::channel();
+    if outbox.send(Item::Flush(done)).is_ok() {
+        // An error says that the outbox is gone: there is nothing to wait for.
+        flushed.await.ok();
+    }
+    while counters.frames_queued.load(Ordering::Relaxed)
+        > counters.frames_done.load(Ordering::Relaxed)
+    {
+        sleep(LOOK).await;
+    }
+}

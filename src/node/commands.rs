@@ -1,0 +1,92 @@
+//! Commands on their way from the topic to the solver.
+
+use std::pin::pin;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use futures::StreamExt;
+use ros2_client::{MessageInfo, Subscription};
+use tokio::sync::mpsc;
+use tokio::task::AbortHandle;
+
+use super::counters::Counters;
+use crate::command::{Command, Stamp};
+use crate::msg::BoundaryCommand;
+
+/// Commands that wait for the solver outside of DDS: 9 MB. When they are full, DDS keeps the
+/// topic's depth more; a rig that is further ahead than both is told of a gap.
+pub(super) const WAITING: usize = 65_536;
+
+/// The commands of the topic, in order, as a blocking iterator for the solver's thread.
+///
+/// It ends at once when the stop flag is raised, and after the last waiting command when the
+/// commands were declared complete with [`EndOfCommands`].
+#[derive(Debug)]
+pub struct Commands {
+    queue: mpsc::Receiver<Command>,
+    stop: Arc<AtomicBool>,
+}
+
+impl Commands {
+    pub(super) fn new(queue: mpsc::Receiver<Command>, stop: Arc<AtomicBool>) -> Self {
+        Self { queue, stop }
+    }
+
+    fn stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+}
+
+impl Iterator for Commands {
+    type Item = Command;
+
+    fn next(&mut self) -> Option<Command> {
+        if self.stopped() {
+            return None;
+        }
+        let command = self.queue.blocking_recv();
+        if self.stopped() { None } else { command }
+    }
+}
+
+/// Says that no command will come any more.
+#[derive(Clone, Debug)]
+pub struct EndOfCommands(pub(super) AbortHandle);
+
+impl EndOfCommands {
+    /// Ends [`Commands`] after those that wait already.
+    pub fn declare(&self) {
+        self.0.abort();
+    }
+}
+
+/// Takes every command from the topic and hands it over with its age.
+pub(super) async fn receive(
+    subscription: Subscription<BoundaryCommand>,
+    queue: mpsc::Sender<Command>,
+    counters: Arc<Counters>,
+) {
+    let mut stream = pin!(subscription.async_stream());
+    while let Some(sample) = stream.next().await {
+        match sample {
+            Ok((message, info)) => {
+                let mut command = Command::from(message);
+                command.age = age(command.stamp, &info);
+                counters.commands.fetch_add(1, Ordering::Relaxed);
+                if queue.send(command).await.is_err() {
+                    return;
+                }
+            }
+            Err(error) => {
+                counters.unreadable.fetch_add(1, Ordering::Relaxed);
+                tracing::error!("a command is lost, its bytes are no BoundaryCommand: {error}");
+            }
+        }
+    }
+}
+
+/// Arrival by the wall clock minus the stamp \[s\].
+fn age(stamp: Stamp, info: &MessageInfo) -> Option<f64> {
+    let arrival = info.received_timestamp()?.to_nanos();
+    Some(arrival.saturating_sub(stamp.nanoseconds()) as f64 * 1e-9)
+}

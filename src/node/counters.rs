@@ -1,0 +1,63 @@
+//! What went through the node.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Counts kept while the node runs. What is `queued` and not `done` is on its way; contact networks
+/// are counted as frames, apart from the other messages.
+#[derive(Debug, Default)]
+pub(super) struct Counters {
+    pub commands: AtomicU64,
+    pub unreadable: AtomicU64,
+    pub queued: AtomicU64,
+    pub done: AtomicU64,
+    pub published: AtomicU64,
+    pub lost: AtomicU64,
+    pub frames_queued: AtomicU64,
+    pub frames_done: AtomicU64,
+    pub frames_sent: AtomicU64,
+    pub frames_skipped: AtomicU64,
+}
+
+/// What went through the node, said when it has stopped.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Summary {
+    /// Commands received.
+    pub commands: u64,
+    /// Samples on the command topic that are no commands.
+    pub unreadable: u64,
+    /// Messages published, contact networks not counted.
+    pub published: u64,
+    /// Messages that could not be published, or not before the end.
+    pub lost: u64,
+    /// Contact networks published in full.
+    pub frames: u64,
+    /// Contact networks that somebody wanted and that were left out, since the network was slower
+    /// than the twin.
+    pub frames_skipped: u64,
+}
+
+impl Summary {
+    /// Whether a command or a message is lost. A skipped contact network is no loss: that topic
+    /// promises what the network can carry, the recording promises all of them.
+    #[must_use]
+    pub fn data_lost(&self) -> bool {
+        self.unreadable + self.lost > 0
+    }
+}
+
+impl Counters {
+    /// The summary after the end, when what is still queued can go nowhere.
+    pub(super) fn summary(&self) -> Summary {
+        let count = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
+        let unsent = count(&self.queued) - count(&self.done);
+        let frames_unsent = count(&self.frames_queued) - count(&self.frames_done);
+        Summary {
+            commands: count(&self.commands),
+            unreadable: count(&self.unreadable),
+            published: count(&self.published),
+            lost: count(&self.lost) + unsent,
+            frames: count(&self.frames_sent),
+            frames_skipped: count(&self.frames_skipped) + frames_unsent,
+        }
+    }
+}

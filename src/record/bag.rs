@@ -1,0 +1,276 @@
+//! One MCAP file as rosbag2 lays it out.
+
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+
+use mcap::records::{MessageHeader, Metadata};
+use mcap::write::NoSeek;
+use mcap::{Attachment, McapError, WriteOptions};
+use serde::Serialize;
+
+use super::{Provenance, metadata};
+use crate::command::Stamp;
+use crate::msg::cdr::{self, CdrError};
+use crate::msg::topics::{self, Topic};
+use crate::msg::{
+    BoundaryCommand, ContactNetwork, Described, JointState, Moduli, PackState, Report, WallForces,
+    WrenchStamped, convert,
+};
+use crate::report::Measures;
+use crate::scene::{self, Compression};
+use crate::sink::Served;
+
+/// Why a bag could not be written on.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum BagError {
+    /// The system said no.
+    #[error("{0}")]
+    Io(#[from] io::Error),
+    /// The format said no.
+    #[error("{0}")]
+    Mcap(McapError),
+    /// A message is no CDR.
+    #[error(transparent)]
+    Cdr(#[from] CdrError),
+}
+
+impl From<McapError> for BagError {
+    fn from(error: McapError) -> Self {
+        match error {
+            // The sentence of this variant hides its cause.
+            McapError::Io(error) => Self::Io(error),
+            other => Self::Mcap(other),
+        }
+    }
+}
+
+/// A topic in the file.
+#[derive(Debug)]
+pub(super) struct Channel {
+    pub(super) topic: &'static Topic,
+    pub(super) messages: u64,
+    id: u16,
+}
+
+/// What a bag holds; times in nanoseconds since 1970.
+#[derive(Debug, Default)]
+pub(super) struct Contents {
+    /// Every topic; none before the first message.
+    pub(super) channels: Vec<Channel>,
+    /// `log_time` of the first message.
+    pub(super) first: Option<u64>,
+    /// `log_time` of the last message.
+    pub(super) last: Option<u64>,
+}
+
+impl Contents {
+    /// Messages on all topics.
+    pub(super) fn messages(&self) -> u64 {
+        self.channels.iter().map(|channel| channel.messages).sum()
+    }
+
+    /// Nanoseconds between the first and the last message.
+    pub(super) fn duration(&self) -> u64 {
+        self.last.unwrap_or(0) - self.first.unwrap_or(0)
+    }
+}
+
+/// Writes answers into one MCAP file.
+///
+/// The chunks are this type's own business, not the MCAP writer's: that one closes a chunk
+/// before the message that no longer fits, and so one without a message when the first message
+/// is larger than a chunk, a file that rosbag2 then refuses to play. Here a chunk is closed after
+/// a message, and thus always holds one and is never smaller than its largest message.
+pub(super) struct BagWriter<W: Write> {
+    mcap: mcap::Writer<NoSeek<W>>,
+    contents: Contents,
+    chunk: u64,
+    open: u64,
+    buffer: Vec<u8>,
+}
+
+impl<W: Write> BagWriter<W> {
+    /// Begins a bag at `time` with its attachments.
+    pub(super) fn new(
+        to: W,
+        settings: &scene::Record,
+        provenance: &Provenance,
+        time: u64,
+    ) -> Result<Self, BagError> {
+        let compression = match settings.compression {
+            Compression::Zstd => Some(mcap::Compression::Zstd),
+            Compression::Lz4 => Some(mcap::Compression::Lz4),
+            Compression::None => None,
+        };
+        let mut mcap = WriteOptions::new()
+            .profile("ros2")
+            .library(concat!("graintwin ", env!("CARGO_PKG_VERSION")))
+            .compression(compression)
+            // The processors are the solver's.
+            .compression_threads(0)
+            .chunk_size(None)
+            // Chunks are made in memory and written in one go: a file that stops halfway stops
+            // at the end of a chunk but for the one that was just being written.
+            .disable_seeking(true)
+            .create(NoSeek::new(to))?;
+        let files: [(&str, &str, &[u8]); 3] = [
+            ("scene.yaml", "application/yaml", provenance.scene.as_bytes()),
+            ("pack.csv", "text/csv", &provenance.pack_csv),
+            ("pack.json", "application/json", &provenance.pack_json),
+        ];
+        for (name, media_type, data) in files {
+            mcap.attach(&Attachment {
+                log_time: time,
+                create_time: time,
+                name: name.into(),
+                media_type: media_type.into(),
+                data: data.into(),
+            })?;
+        }
+        let metadata = program(provenance.threads);
+        mcap.write_metadata(&Metadata { name: "graintwin".into(), metadata })?;
+        mcap.flush()?;
+        let contents = Contents::default();
+        Ok(Self { mcap, contents, chunk: settings.chunk, open: 0, buffer: Vec::new() })
+    }
+
+    /// Writes one answer, served at `time`; says whether it is still in an open chunk.
+    pub(super) fn answer(&mut self, served: &Served, time: u64) -> Result<bool, BagError> {
+        if let Some(command) = &served.command {
+            self.write(&topics::BOUNDARY_COMMAND, &BoundaryCommand::from(command), time)?;
+        }
+        self.write(&topics::REPORT, &Report::from(&served.report), time)?;
+        if let Some(measures) = &served.report.measures {
+            self.measures(measures, time)?;
+        }
+        Ok(self.open > 0)
+    }
+
+    fn measures(&mut self, measures: &Measures, time: u64) -> Result<(), BagError> {
+        self.write(&topics::WALL_FORCES, &convert::wall_forces(measures), time)?;
+        for (wall, topic) in topics::WALL_WRENCH.iter().enumerate() {
+            self.write(topic, &convert::wall_wrench(measures, wall), time)?;
+        }
+        self.write(&topics::WALL_STATES, &convert::wall_states(measures), time)?;
+        if let Some(state) = convert::pack_state(measures) {
+            self.write(&topics::STATE, &state, time)?;
+        }
+        if let Some(moduli) = convert::moduli(measures) {
+            self.write(&topics::MODULI, &moduli, time)?;
+        }
+        if let Some(network) = convert::whole_network(measures) {
+            self.write(&topics::CONTACT_NETWORK, &network, time)?;
+        }
+        Ok(())
+    }
+
+    fn write<T: Stamped>(
+        &mut self,
+        topic: &'static Topic,
+        message: &T,
+        time: u64,
+    ) -> Result<(), BagError> {
+        debug_assert_eq!(topic.kind, T::TYPE, "topic {}", topic.name);
+        cdr::encode(message, &mut self.buffer)?;
+        let log_time = match self.contents.last {
+            Some(last) => time.max(last + 1),
+            None => time,
+        };
+        if self.contents.channels.is_empty() {
+            self.register()?;
+        }
+        let channel = self
+            .contents
+            .channels
+            .iter_mut()
+            .find(|channel| std::ptr::eq(channel.topic, topic))
+            .expect("every topic is registered");
+        let header = MessageHeader {
+            channel_id: channel.id,
+            // As rosbag2 does; a command's sequence is in the message.
+            sequence: 0,
+            log_time,
+            publish_time: message.stamp().nanoseconds().max(0).unsigned_abs(),
+        };
+        self.mcap.write_to_known_channel(&header, &self.buffer)?;
+        channel.messages += 1;
+        self.contents.first.get_or_insert(log_time);
+        self.contents.last = Some(log_time);
+        self.open += self.buffer.len() as u64;
+        if self.open >= self.chunk { self.flush() } else { Ok(()) }
+    }
+
+    /// Registers every topic, in the chunk of the first message.
+    fn register(&mut self) -> Result<(), BagError> {
+        for topic in topics::all() {
+            let schema = self.mcap.add_schema(
+                &topic.kind.full_name(),
+                "ros2msg",
+                topic.kind.definition().as_bytes(),
+            )?;
+            let about = BTreeMap::from([
+                ("offered_qos_profiles".into(), metadata::offered_qos(topic)),
+                ("topic_type_hash".into(), topic.kind.hash.into()),
+            ]);
+            let id = self.mcap.add_channel(schema, &topic.recorded_name(), "cdr", &about)?;
+            self.contents.channels.push(Channel { topic, messages: 0, id });
+        }
+        Ok(())
+    }
+
+    /// Closes the open chunk, if there is one, and hands everything to the system.
+    pub(super) fn flush(&mut self) -> Result<(), BagError> {
+        self.mcap.flush()?;
+        self.open = 0;
+        Ok(())
+    }
+
+    /// Writes rosbag2's own record and the index, and gives back what was written to.
+    pub(super) fn finish(mut self, file_name: &str) -> Result<(W, Contents), BagError> {
+        let text = metadata::body(&self.contents, file_name);
+        let metadata = BTreeMap::from([("serialized_metadata".into(), text)]);
+        self.mcap.write_metadata(&Metadata { name: "rosbag2".into(), metadata })?;
+        self.mcap.finish()?;
+        Ok((self.mcap.into_inner().into_inner(), self.contents))
+    }
+}
+
+/// What the recording program was.
+fn program(threads: usize) -> BTreeMap<String, String> {
+    let features: Vec<&str> = [("mcap", cfg!(feature = "mcap")), ("ros", cfg!(feature = "ros"))]
+        .into_iter()
+        .filter_map(|(name, on)| on.then_some(name))
+        .collect();
+    BTreeMap::from([
+        ("version".into(), env!("CARGO_PKG_VERSION").into()),
+        ("features".into(), features.join(" ")),
+        ("threads".into(), threads.to_string()),
+    ])
+}
+
+/// A message with a header.
+trait Stamped: Described + Serialize {
+    /// The header's stamp.
+    fn stamp(&self) -> Stamp;
+}
+
+macro_rules! stamped {
+    ($($message:ty),+) => {$(
+        impl Stamped for $message {
+            fn stamp(&self) -> Stamp {
+                self.header.stamp.into()
+            }
+        }
+    )+};
+}
+
+stamped!(
+    BoundaryCommand,
+    Report,
+    WallForces,
+    WrenchStamped,
+    JointState,
+    PackState,
+    Moduli,
+    ContactNetwork
+);

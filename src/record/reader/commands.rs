@@ -1,0 +1,101 @@
+//! The boundary commands in a bag.
+
+use super::items::{Item, Items};
+use super::{Bag, Channel, Message, ReadError};
+use crate::command::Command;
+use crate::msg::{BoundaryCommand, Described, cdr};
+
+/// The boundary commands of a bag; see [`Bag::commands`].
+pub struct Commands<'a> {
+    bag: &'a Bag,
+    items: Items<'a>,
+    topic: Option<String>,
+    others: Vec<String>,
+    commands: u64,
+    ended: bool,
+}
+
+impl<'a> Commands<'a> {
+    pub(super) fn new(bag: &'a Bag) -> Self {
+        let items = bag.items();
+        Self { bag, items, topic: None, others: Vec::new(), commands: 0, ended: false }
+    }
+
+    /// Notes a topic, and refuses commands that would not be understood.
+    fn channel(&mut self, channel: &Channel) -> Result<(), ReadError> {
+        if channel.kind != BoundaryCommand::TYPE.full_name() {
+            self.others.push(format!("{} ({})", channel.topic, channel.kind));
+            return Ok(());
+        }
+        let path = self.bag.path.clone();
+        let topic = channel.topic.clone();
+        match self.topic.replace(topic.clone()) {
+            Some(first) if first != topic => {
+                return Err(ReadError::TwoCommandTopics { path, topics: [first, topic] });
+            }
+            _ => {}
+        }
+        if channel.encoding == "cdr"
+            && same_fields(&channel.definition, &BoundaryCommand::TYPE.definition())
+        {
+            Ok(())
+        } else {
+            Err(ReadError::OtherDefinition { path, topic })
+        }
+    }
+
+    fn command(&mut self, message: &Message) -> Option<Result<Command, ReadError>> {
+        if Some(&message.channel.topic) != self.topic.as_ref() {
+            return None;
+        }
+        self.commands += 1;
+        let command = cdr::decode::<BoundaryCommand>(&message.data);
+        Some(command.map(Command::from).map_err(|error| ReadError::Command {
+            path: self.bag.path.clone(),
+            number: self.commands,
+            error,
+        }))
+    }
+}
+
+impl Iterator for Commands<'_> {
+    type Item = Result<Command, ReadError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        while !self.ended {
+            let command = match self.items.next() {
+                Some(Ok(Item::Channel(channel))) => self.channel(&channel).err().map(Err),
+                Some(Ok(Item::Message(message))) => self.command(&message),
+                Some(Ok(_)) => None,
+                Some(Err(error)) => Some(Err(error)),
+                None => {
+                    self.ended = true;
+                    (self.commands == 0).then(|| {
+                        let topics = std::mem::take(&mut self.others);
+                        Err(ReadError::NoCommands { path: self.bag.path.clone(), topics })
+                    })
+                }
+            };
+            if let Some(command) = command {
+                self.ended |= command.is_err();
+                return Some(command);
+            }
+        }
+        None
+    }
+}
+
+/// Whether two definitions are the same but for comments, constants, blanks and the texts of the
+/// standard types they are made of.
+fn same_fields(one: &str, other: &str) -> bool {
+    fields(one).eq(fields(other))
+}
+
+fn fields(definition: &str) -> impl Iterator<Item = Vec<&str>> {
+    definition
+        .lines()
+        .take_while(|line| !line.starts_with("===="))
+        .map(|line| line.split('#').next().unwrap_or_default())
+        .filter(|line| !line.trim().is_empty() && !line.contains('='))
+        .map(|line| line.split_whitespace().collect())
+}

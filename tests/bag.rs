@@ -1,0 +1,251 @@
+//! Recordings as independent readers see them: the Python packages mcap-ros2-support and rosbags.
+#![cfg(feature = "mcap")]
+#![allow(clippy::unwrap_used, reason = "a test that fails may panic")]
+
+#[path = "common/answers.rs"]
+mod answers;
+#[path = "common/python.rs"]
+mod python;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use answers::{answers, provenance};
+use graintwin::command::Stamp;
+use graintwin::record::{Recorded, Recorder};
+use graintwin::report::Measures;
+use graintwin::scene::{Compression, Record};
+use graintwin::sink::{Served, Sink};
+use graintwin::wall;
+use serde_json::{Map, Value, json};
+
+fn record(folder: &Path, settings: &Record, answers: &[Arc<Served>]) -> Recorded {
+    let mut recorder = Recorder::create(folder, settings, &provenance()).unwrap();
+    for answer in answers {
+        recorder.served(answer);
+    }
+    recorder.finish().unwrap()
+}
+
+fn number(value: f64) -> Value {
+    if value.is_finite() {
+        value.into()
+    } else {
+        (if value.is_nan() { "NaN" } else { "Infinity" }).into()
+    }
+}
+
+fn numbers(values: &[f64]) -> Value {
+    values.iter().copied().map(number).collect()
+}
+
+fn header(stamp: Stamp, frame: &str) -> Value {
+    json!({"stamp": {"sec": stamp.sec, "nanosec": stamp.nanosec}, "frame_id": frame})
+}
+
+fn message(topic: &str, fields: &Value) -> Value {
+    json!({"topic": format!("/graintwin/{topic}"), "fields": fields})
+}
+
+/// The messages that one answer must become, from the answer's own words.
+fn expected(served: &Served) -> Vec<Value> {
+    let mut messages = Vec::new();
+    if let Some(command) = &served.command {
+        messages.push(message(
+            "boundary_command",
+            &json!({
+                "header": header(command.stamp, "pack"),
+                "session": command.session,
+                "sequence": command.sequence,
+                "mode": u8::from(command.mode),
+                "displacement": command.displacement,
+            }),
+        ));
+    }
+    let report = &served.report;
+    messages.push(message(
+        "report",
+        &json!({
+            "header": header(report.stamp, "pack"),
+            "session": report.session,
+            "sequence": report.sequence,
+            "increment": report.increment,
+            "disposition": report.disposition as u8,
+            "substeps": report.substeps,
+            "text": report.text,
+        }),
+    ));
+    if let Some(measures) = &report.measures {
+        messages.extend(expected_measures(measures));
+    }
+    messages
+}
+
+fn expected_measures(measures: &Measures) -> Vec<Value> {
+    let common = |frame: &str| json!({"header": header(measures.stamp, frame), "increment": measures.increment});
+    let walls = &measures.walls;
+    let mut messages =
+        vec![message("wall_forces", &merged(common("pack"), serde_json::to_value(walls).unwrap()))];
+    for (index, name) in wall::NAMES.iter().enumerate() {
+        messages.push(message(
+            &format!("wall/{name}/wrench"),
+            &json!({
+                "header": header(measures.stamp, &format!("wall_{name}")),
+                "wrench": {"force": walls.force[index], "torque": walls.moment[index]},
+            }),
+        ));
+    }
+    messages.push(message(
+        "wall_states",
+        &json!({
+            "header": header(measures.stamp, "pack"),
+            "name": ["x_min", "x_max", "y_min", "y_max", "z_min", "z_max"],
+            "position": walls.displacement,
+            "velocity": [],
+            "effort": walls.normal_force,
+        }),
+    ));
+    let state = serde_json::to_value(measures.state.unwrap()).unwrap();
+    messages.push(message("state", &merged(common("pack"), state)));
+    let moduli = measures.moduli.unwrap();
+    messages.push(message(
+        "moduli",
+        &merged(
+            common("pack"),
+            json!({
+                "valid": moduli.valid,
+                "bulk": number(moduli.bulk),
+                "shear": number(moduli.shear),
+                "young": number(moduli.young),
+                "poisson": number(moduli.poisson),
+                "lame": number(moduli.lame),
+                "p_wave": number(moduli.p_wave),
+                "tangent": numbers(&moduli.tangent),
+            }),
+        ),
+    ));
+    let network = measures.network.as_ref().unwrap();
+    messages.push(message(
+        "contact_network",
+        &merged(
+            common("pack"),
+            json!({
+                "chunk": 0,
+                "chunk_count": 1,
+                "first": network.first,
+                "second": network.second,
+                "normal": network.normal,
+                "normal_force": network.normal_force,
+                "tangential_force": network.tangential_force,
+                "overlap": network.overlap,
+                "state": network.state,
+            }),
+        ),
+    ));
+    messages
+}
+
+fn merged(one: Value, other: Value) -> Value {
+    let (Value::Object(mut fields), Value::Object(more)) = (one, other) else { panic!("objects") };
+    fields.extend(more);
+    Value::Object(fields)
+}
+
+/// Records `answers` and lets the peers read; what they say, if there are any.
+fn read_by_peers(
+    name: &str,
+    settings: &Record,
+    answers: &[Arc<Served>],
+) -> Option<Map<String, Value>> {
+    let parent = tempfile::tempdir().unwrap();
+    let folder = parent.path().join(name);
+    let recorded = record(&folder, settings, answers);
+    let messages: Vec<Value> = answers.iter().map(|answer| expected(answer).into()).collect();
+    let count: usize = answers.iter().map(|answer| expected(answer).len()).sum();
+    assert_eq!(recorded.messages, count as u64);
+    let texts = Path::new(env!("CARGO_MANIFEST_DIR")).join("msgs/graintwin_msgs/msg");
+    let said = python::run("bag.py", &[&folder, &texts], &Value::from(messages).to_string())?;
+    Some(serde_json::from_str(&said).unwrap())
+}
+
+#[test]
+fn two_independent_readers_find_every_field_of_every_message() {
+    let Some(said) = read_by_peers("run", &Record::default(), &answers(12, 40)) else { return };
+    let topics: Vec<_> =
+        said["topics"].as_array().unwrap().iter().map(|one| one.as_str().unwrap()).collect();
+    assert_eq!(
+        topics,
+        [
+            "/graintwin/boundary_command",
+            "/graintwin/contact_network",
+            "/graintwin/moduli",
+            "/graintwin/report",
+            "/graintwin/state",
+            "/graintwin/wall/x_max/wrench",
+            "/graintwin/wall/x_min/wrench",
+            "/graintwin/wall/y_max/wrench",
+            "/graintwin/wall/y_min/wrench",
+            "/graintwin/wall/z_max/wrench",
+            "/graintwin/wall/z_min/wrench",
+            "/graintwin/wall_forces",
+            "/graintwin/wall_states",
+        ]
+    );
+    let provenance = provenance();
+    assert_eq!(
+        said["attachments"],
+        json!({
+            "scene.yaml": provenance.scene,
+            "pack.csv": String::from_utf8(provenance.pack_csv).unwrap(),
+            "pack.json": String::from_utf8(provenance.pack_json).unwrap(),
+        })
+    );
+    let program = &said["program"];
+    assert_eq!(program["version"], env!("CARGO_PKG_VERSION"));
+    assert_eq!(program["threads"], "2");
+    assert!(program["features"].as_str().unwrap().split(' ').any(|feature| feature == "mcap"));
+    assert_eq!(said["compressions"], json!(["zstd"]));
+}
+
+#[test]
+fn attachments_and_metadata_stand_before_the_first_chunk() {
+    let Some(said) = read_by_peers("run", &Record::default(), &answers(1, 1)) else { return };
+    let kinds: Vec<_> =
+        said["kinds"].as_array().unwrap().iter().map(|one| one.as_str().unwrap()).collect();
+    assert_eq!(
+        kinds[..6],
+        ["Header", "Attachment", "Attachment", "Attachment", "Metadata", "Chunk"]
+    );
+}
+
+#[test]
+fn every_compression_is_read() {
+    for (compression, name) in [(Compression::Lz4, "lz4"), (Compression::None, "")] {
+        let settings = Record { compression, ..Record::default() };
+        let Some(said) = read_by_peers("run", &settings, &answers(3, 500)) else { return };
+        assert_eq!(said["compressions"], json!([name]));
+    }
+}
+
+/// Each message is larger than a chunk, the first one too; rosbag2 refuses files with a chunk
+/// without message, and the peer's script looks for one.
+#[test]
+fn messages_larger_than_a_chunk_never_make_a_chunk_without_message() {
+    let settings = Record { chunk: 1, ..Record::default() };
+    let answers = answers(2, 300);
+    let Some(said) = read_by_peers("run", &settings, &answers) else { return };
+    let chunks = said["kinds"].as_array().unwrap().iter().filter(|kind| *kind == "Chunk").count();
+    assert_eq!(chunks, answers.iter().map(|answer| expected(answer).len()).sum::<usize>());
+}
+
+#[test]
+fn a_bag_without_an_answer_is_still_a_bag() {
+    let Some(said) = read_by_peers("run", &Record::default(), &[]) else { return };
+    assert_eq!(said["topics"], json!([]));
+}
+
+#[test]
+fn a_folder_with_an_awkward_name_is_described_correctly() {
+    let name = r#"Öl: "3" # - \ {a}"#;
+    read_by_peers(name, &Record::default(), &answers(1, 1));
+}

@@ -1,0 +1,253 @@
+//! Bytes, hashes and definitions of the messages against an independent implementation: the
+//! Python package rosbags.
+#![cfg(feature = "mcap")]
+#![allow(clippy::unwrap_used, reason = "a test that fails may panic")]
+
+#[path = "common/python.rs"]
+mod python;
+
+use std::fmt::Debug;
+use std::path::Path;
+
+use graintwin::msg::cdr::{self, CdrError};
+use graintwin::msg::{
+    BoundaryCommand, ContactNetwork, Described, Event, Header, JointState, Moduli, PackState,
+    Report, Time, Vector3, WallForces, Wrench, WrenchStamped,
+};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::{Value, json};
+
+fn header(frame: &str) -> Header {
+    Header { stamp: Time { sec: -7, nanosec: 123_456_789 }, frame_id: frame.into() }
+}
+
+fn vector(seed: f64) -> Vector3 {
+    Vector3 { x: seed + 0.1, y: -seed / 3.0, z: seed * 1e-300 }
+}
+
+fn boundary_command() -> BoundaryCommand {
+    BoundaryCommand {
+        header: header(""),
+        session: "öffnung".into(),
+        sequence: u64::MAX - 1,
+        mode: 1,
+        displacement: [0.1, -0.2, 0.3, -0.4, 5e-324, 1.797e308],
+    }
+}
+
+fn wall_forces() -> WallForces {
+    WallForces {
+        header: header("pack"),
+        increment: 3,
+        normal_force: [1.0, 2.0, 3.0, 4.0, 5.0, 6.0],
+        displacement: [-1e-9; 6],
+        force: [1.0, 2.0, 3.0, 4.0, 5.0, 6.0].map(vector),
+        moment: [7.0, 8.0, 9.0, 10.0, 11.0, 12.0].map(vector),
+    }
+}
+
+fn pack_state() -> PackState {
+    PackState {
+        header: header("pack."),
+        increment: 1 << 40,
+        strain: [0.01, 0.02, 0.03],
+        stress_walls: [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0],
+        stress_contacts: [-1.0, -2.0, -3.0, -4.0, -5.0, -6.0, -7.0, -8.0, -9.0],
+        confining_stress: 1.5e7,
+        deviatoric_stress: -2.5e3,
+        porosity: 0.36,
+        coordination_number: 6.29,
+        sliding_ratio: 0.125,
+        stored_energy: 1e-5,
+        dissipated_energy: 2e-7,
+        contacts: 8000,
+        rattlers: 61,
+        iterations: u32::MAX,
+        residual: 3e-9,
+        solve_seconds: 0.25,
+        converged: true,
+    }
+}
+
+fn moduli() -> Moduli {
+    Moduli {
+        header: header("p"),
+        increment: 4,
+        valid: true,
+        bulk: 1e9,
+        shear: 2e9,
+        young: 3e9,
+        poisson: 0.2,
+        lame: 4e9,
+        p_wave: 5e9,
+        tangent: [0.5; 9],
+    }
+}
+
+fn contact_network(contacts: u32) -> ContactNetwork {
+    let values = |count: u32| (0..count).map(|i| f64::from(i) / 7.0).collect();
+    ContactNetwork {
+        header: header("pack"),
+        increment: 9,
+        chunk: 2,
+        chunk_count: 3,
+        first: (0..contacts).collect(),
+        second: (0..contacts).map(|i| u32::MAX - i).collect(),
+        normal: values(3 * contacts),
+        normal_force: values(contacts),
+        tangential_force: values(3 * contacts),
+        overlap: values(contacts),
+        state: (0..contacts).map(|i| (i % 4) as u8).collect(),
+    }
+}
+
+fn report(text: &str) -> Report {
+    Report {
+        header: header("pack"),
+        session: String::new(),
+        sequence: 12,
+        increment: 11,
+        disposition: 8,
+        substeps: 3,
+        text: text.into(),
+    }
+}
+
+fn event() -> Event {
+    Event {
+        header: header("pack"),
+        increment: 2,
+        kind: 1,
+        stress_before: 2.0,
+        stress_after: 1.0,
+        grains: vec![5, 6, 7],
+        displacement: vec![1e-3],
+    }
+}
+
+fn joint_state() -> JointState {
+    JointState {
+        header: header("pack"),
+        name: vec!["x_min".into(), String::new(), "z".into()],
+        position: vec![0.5, 0.25],
+        velocity: Vec::new(),
+        effort: vec![3.0],
+    }
+}
+
+/// Holds one answer of the peer against the message it is about.
+type Check = Box<dyn Fn(&Value)>;
+
+/// Messages as the peer gets them, and the checks of what it answers, in the same order.
+#[derive(Default)]
+struct Exchange {
+    asked: Vec<Value>,
+    checks: Vec<Check>,
+}
+
+impl Exchange {
+    fn add<T>(&mut self, message: T)
+    where
+        T: Described + Serialize + DeserializeOwned + PartialEq + Debug + 'static,
+    {
+        self.asked.push(json!({
+            "type": T::TYPE.full_name(),
+            "definition": T::TYPE.definition(),
+            "value": message,
+        }));
+        self.checks.push(Box::new(move |answer| {
+            let kind = T::TYPE.full_name();
+            let mut bytes = Vec::new();
+            cdr::encode(&message, &mut bytes).unwrap();
+            assert_eq!(hex(&bytes), answer["little"].as_str().unwrap(), "{kind}");
+            for order in ["little", "big"] {
+                let bytes = unhex(answer[order].as_str().unwrap());
+                assert_eq!(cdr::decode::<T>(&bytes).unwrap(), message, "{kind} {order}");
+            }
+            assert_eq!(answer["hash"], T::TYPE.hash, "{kind}");
+            assert_eq!(answer["same_fields"], true, "{kind}");
+        }));
+    }
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+fn unhex(text: &str) -> Vec<u8> {
+    let digits: Vec<u8> =
+        text.chars().map(|digit| digit.to_digit(16).unwrap().try_into().unwrap()).collect();
+    digits.chunks(2).map(|pair| 16 * pair[0] + pair[1]).collect()
+}
+
+#[test]
+fn bytes_hashes_and_definitions_are_those_of_an_independent_implementation() {
+    let mut exchange = Exchange::default();
+    exchange.add(boundary_command());
+    exchange.add(BoundaryCommand::default());
+    exchange.add(wall_forces());
+    exchange.add(pack_state());
+    exchange.add(moduli());
+    for contacts in [0, 1, 2, 5] {
+        exchange.add(contact_network(contacts));
+    }
+    for text in ["", "1", "12", "123", "1234"] {
+        exchange.add(report(text));
+    }
+    exchange.add(event());
+    exchange.add(Event::default());
+    exchange.add(joint_state());
+    exchange.add(JointState::default());
+    let wrench = Wrench { force: vector(1.0), torque: vector(2.0) };
+    exchange.add(WrenchStamped { header: header("wall_x_min"), wrench });
+    exchange.add(wrench);
+    exchange.add(vector(3.0));
+    exchange.add(header("frame"));
+    exchange.add(Time { sec: i32::MIN, nanosec: 5 });
+
+    let texts = Path::new(env!("CARGO_MANIFEST_DIR")).join("msgs/graintwin_msgs/msg");
+    let asked = Value::from(exchange.asked).to_string();
+    let Some(answers) = python::run("messages.py", &[&texts], &asked) else { return };
+    let answers: Vec<Value> = serde_json::from_str(&answers).unwrap();
+    assert_eq!(answers.len(), exchange.checks.len());
+    for (check, answer) in exchange.checks.iter().zip(&answers) {
+        check(answer);
+    }
+}
+
+#[test]
+fn bytes_that_are_no_plain_cdr_are_refused() {
+    for bytes in [&[][..], &[0], &[0, 1, 0], &[0, 3, 0, 0, 1, 2, 3, 4], b"PK\x03\x04"] {
+        let refusal = cdr::decode::<Time>(bytes).unwrap_err();
+        assert!(matches!(refusal, CdrError::Encapsulation { .. }), "{bytes:?}: {refusal}");
+    }
+}
+
+#[test]
+fn a_message_that_is_cut_off_anywhere_is_refused() {
+    let mut bytes = Vec::new();
+    cdr::encode(&contact_network(3), &mut bytes).unwrap();
+    for length in 4..bytes.len() {
+        let refusal = cdr::decode::<ContactNetwork>(&bytes[..length]).unwrap_err();
+        assert!(matches!(refusal, CdrError::Body { .. }), "{length}: {refusal}");
+    }
+}
+
+/// Wherever the four bytes stand, in numbers, lengths or text: the message is another one or is
+/// refused, and takes no more memory than its bytes can fill.
+#[test]
+fn a_sequence_that_claims_to_be_endless_is_refused() {
+    let mut bytes = Vec::new();
+    cdr::encode(&event(), &mut bytes).unwrap();
+    let mut refused = 0;
+    for at in 4..=bytes.len() - 4 {
+        let mut hostile = bytes.clone();
+        hostile[at..at + 4].copy_from_slice(&[0xff; 4]);
+        match cdr::decode::<Event>(&hostile) {
+            Ok(event) => assert_eq!((event.grains.len(), event.displacement.len()), (3, 1)),
+            Err(_) => refused += 1,
+        }
+    }
+    assert!(refused > 0);
+}

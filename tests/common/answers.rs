@@ -1,0 +1,136 @@
+//! Answers of a twin that was never there, every field another number.
+
+use std::sync::Arc;
+
+use graintwin::command::{Command, Disposition, Mode, Stamp};
+use graintwin::record::Provenance;
+use graintwin::report::{ContactNetwork, Measures, Moduli, PackState, Report, WallForces};
+use graintwin::sink::Served;
+
+/// What the test recordings say of their making.
+pub(crate) fn provenance() -> Provenance {
+    Provenance {
+        scene: "name: \"Probe 7 µm\"\npack: {file: pack.csv}\n".into(),
+        pack_csv: b"x,y,z,radius\n0.0,0.0,0.0,1e-3\n".to_vec(),
+        pack_json: br#"{"box": {"min": [0, 0, 0], "max": [1, 1, 1]}}"#.to_vec(),
+        threads: 2,
+    }
+}
+
+/// The initial equilibrium and `commands` commands, every fifth of them refused, with networks
+/// of `contacts` contacts.
+pub(crate) fn answers(commands: u64, contacts: u32) -> Vec<Arc<Served>> {
+    let mut increment = 0;
+    let mut answers = vec![Arc::new(Served {
+        command: None,
+        report: report(None, Some(measures(Stamp::default(), 0, contacts)), 0),
+    })];
+    for sequence in 1..=commands {
+        let command = command(sequence);
+        let refused = sequence.is_multiple_of(5);
+        if !refused {
+            increment += 1;
+        }
+        let measures = (!refused).then(|| measures(command.stamp, increment, contacts));
+        let report = report(Some(&command), measures, increment);
+        answers.push(Arc::new(Served { command: Some(command), report }));
+    }
+    answers
+}
+
+fn command(sequence: u64) -> Command {
+    Command {
+        // From before 1970 to after it, and once back.
+        stamp: Stamp { sec: sequence as i32 % 7 - 2, nanosec: 1_000 * sequence as u32 },
+        session: if sequence < 4 { "erste Sitzung, Öl".into() } else { String::new() },
+        sequence,
+        mode: if sequence.is_multiple_of(2) { Mode::Absolute } else { Mode::Increment },
+        displacement: std::array::from_fn(|wall| 1e-7 * sequence as f64 / (wall as f64 + 3.0)),
+        age: None,
+    }
+}
+
+fn report(command: Option<&Command>, measures: Option<Measures>, increment: u64) -> Report {
+    Report {
+        stamp: command.map_or_else(Stamp::default, |command| command.stamp),
+        session: command.map_or_else(String::new, |command| command.session.clone()),
+        sequence: command.map_or(0, |command| command.sequence),
+        increment,
+        disposition: if measures.is_some() { Disposition::Applied } else { Disposition::Limit },
+        substeps: 3,
+        text: if measures.is_some() { String::new() } else { "zu weit: 2 µm > 1 µm".into() },
+        measures,
+    }
+}
+
+fn measures(stamp: Stamp, increment: u64, contacts: u32) -> Measures {
+    let mut seed = 0x2545_f491_4f6c_dd1d_u64.wrapping_mul(increment + 1);
+    // Digits as of a computation; the sequence is Marsaglia's xorshift.
+    let mut next = || {
+        seed ^= seed << 13;
+        seed ^= seed >> 7;
+        seed ^= seed << 17;
+        seed as f64 / u64::MAX as f64
+    };
+    let walls = WallForces {
+        normal_force: std::array::from_fn(|_| next()),
+        displacement: std::array::from_fn(|_| next()),
+        // The box is 2 m wide, its walls carry no shear: the torque about a wall's centre is
+        // the moment about the box's.
+        position: [-1.0, 1.0, -1.0, 1.0, -1.0, 1.0],
+        force: std::array::from_fn(|wall| {
+            std::array::from_fn(|axis| if axis == wall / 2 { next() } else { 0.0 })
+        }),
+        moment: std::array::from_fn(|_| std::array::from_fn(|_| next())),
+    };
+    let state = PackState {
+        strain: std::array::from_fn(|_| next()),
+        natural_strain: std::array::from_fn(|_| next()),
+        stress_walls: std::array::from_fn(|_| next()),
+        stress_contacts: std::array::from_fn(|_| next()),
+        confining_stress: next(),
+        deviatoric_stress: -next(),
+        porosity: next(),
+        coordination_number: next(),
+        sliding_ratio: next(),
+        stored_energy: next(),
+        wall_work: next(),
+        dissipated_energy: next(),
+        contacts,
+        rattlers: 61,
+        iterations: 17,
+        residual: next(),
+        solve_seconds: next(),
+        converged: increment.is_multiple_of(2),
+    };
+    let moduli = Moduli {
+        valid: increment > 0,
+        bulk: next(),
+        shear: f64::NAN,
+        young: next(),
+        poisson: next(),
+        lame: f64::INFINITY,
+        p_wave: next(),
+        tangent: std::array::from_fn(|entry| if entry == 4 { next() } else { f64::NAN }),
+        p_speed: next(),
+        s_speed: next(),
+    };
+    let mut values = |count: u32| (0..count).map(|_| next()).collect::<Vec<f64>>();
+    let network = ContactNetwork {
+        first: (0..contacts).collect(),
+        second: (0..contacts).map(|contact| u32::MAX - contact % 6).collect(),
+        normal: values(3 * contacts),
+        normal_force: values(contacts),
+        tangential_force: values(3 * contacts),
+        overlap: values(contacts),
+        state: (0..contacts).map(|contact| (contact % 2) as u8).collect(),
+    };
+    Measures {
+        stamp,
+        increment,
+        walls,
+        state: Some(state),
+        moduli: Some(moduli),
+        network: Some(network),
+    }
+}

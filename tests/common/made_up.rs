@@ -1,0 +1,139 @@
+//! A twin without physics: every number it answers is made up, distinct and reproducible.
+
+use std::array::from_fn;
+use std::sync::Arc;
+
+use graintwin::command::{Command, Disposition, Mode, Stamp};
+use graintwin::report::{ContactNetwork, Demand, Measures, Moduli, PackState, Report, WallForces};
+use graintwin::sink::Served;
+
+/// Answers commands as a twin does, at once.
+pub(crate) struct MadeUpTwin {
+    contacts: usize,
+    increment: u64,
+    numbers: Numbers,
+}
+
+impl MadeUpTwin {
+    /// A twin whose contact networks have `contacts` contacts.
+    pub(crate) fn new(contacts: usize) -> Self {
+        Self { contacts, increment: 0, numbers: Numbers(1) }
+    }
+
+    /// The initial equilibrium.
+    pub(crate) fn start(&mut self, demand: Demand) -> Arc<Served> {
+        let report = Report {
+            stamp: Stamp::default(),
+            session: String::new(),
+            sequence: 0,
+            increment: 0,
+            disposition: Disposition::Applied,
+            substeps: 0,
+            text: "relaxed".into(),
+            measures: Some(self.measures(Stamp::default(), demand)),
+        };
+        Arc::new(Served { command: None, report })
+    }
+
+    /// Serves `command`, or refuses what is no command.
+    pub(crate) fn apply(&mut self, command: &Command, demand: Demand) -> Arc<Served> {
+        let known = matches!(command.mode, Mode::Absolute | Mode::Increment);
+        let valid = known && command.displacement.iter().all(|value| value.is_finite());
+        self.increment += u64::from(valid);
+        let (disposition, text) = match valid {
+            true => (Disposition::Applied, ""),
+            false => (Disposition::Invalid, "not a command: ü"),
+        };
+        let report = Report {
+            stamp: command.stamp,
+            session: command.session.clone(),
+            sequence: command.sequence,
+            increment: self.increment,
+            disposition,
+            substeps: 3,
+            text: text.into(),
+            measures: valid.then(|| self.measures(command.stamp, demand)),
+        };
+        Arc::new(Served { command: Some(command.clone()), report })
+    }
+
+    fn measures(&mut self, stamp: Stamp, demand: Demand) -> Measures {
+        let contacts = self.contacts;
+        let n = &mut self.numbers;
+        Measures {
+            stamp,
+            increment: self.increment,
+            walls: WallForces {
+                normal_force: from_fn(|_| n.next()),
+                displacement: from_fn(|_| n.next()),
+                position: from_fn(|_| n.next()),
+                force: from_fn(|_| from_fn(|_| n.next())),
+                moment: from_fn(|_| from_fn(|_| n.next())),
+            },
+            state: demand.state.then(|| PackState {
+                strain: from_fn(|_| n.next()),
+                natural_strain: from_fn(|_| n.next()),
+                stress_walls: from_fn(|_| n.next()),
+                stress_contacts: from_fn(|_| n.next()),
+                confining_stress: n.next(),
+                deviatoric_stress: n.next(),
+                porosity: n.next(),
+                coordination_number: n.next(),
+                sliding_ratio: n.next(),
+                stored_energy: n.next(),
+                wall_work: n.next(),
+                dissipated_energy: n.next(),
+                contacts: n.index(),
+                rattlers: n.index(),
+                iterations: n.index(),
+                residual: n.next(),
+                solve_seconds: n.next(),
+                converged: n.index().is_multiple_of(2),
+            }),
+            moduli: demand.moduli.then(|| Moduli {
+                valid: n.index().is_multiple_of(2),
+                bulk: n.next(),
+                shear: f64::NAN,
+                young: n.next(),
+                poisson: n.next(),
+                lame: n.next(),
+                p_wave: n.next(),
+                tangent: from_fn(|i| if i == 4 { f64::NAN } else { n.next() }),
+                p_speed: n.next(),
+                s_speed: n.next(),
+            }),
+            network: demand.contact_network.then(|| ContactNetwork {
+                first: (0..contacts).map(|_| n.index()).collect(),
+                second: (0..contacts).map(|_| u32::MAX - n.index() % 6).collect(),
+                normal: (0..3 * contacts).map(|_| n.next()).collect(),
+                normal_force: (0..contacts).map(|_| n.next()).collect(),
+                tangential_force: (0..3 * contacts).map(|_| n.next()).collect(),
+                overlap: (0..contacts).map(|_| n.next()).collect(),
+                state: (0..contacts).map(|_| (n.index() % 2) as u8).collect(),
+            }),
+        }
+    }
+}
+
+/// Numbers with full mantissas, many orders of magnitude and both signs (splitmix64).
+struct Numbers(u64);
+
+impl Numbers {
+    fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    fn next(&mut self) -> f64 {
+        let bits = self.bits();
+        let magnitude = f64::from((bits % 41) as i32 - 20);
+        (bits as f64 / u64::MAX as f64 - 0.5) * 10f64.powf(magnitude)
+    }
+
+    fn index(&mut self) -> u32 {
+        (self.bits() >> 32) as u32
+    }
+}

@@ -1,0 +1,264 @@
+//! The message types against the texts under `msgs/`, and what is put into them.
+#![allow(clippy::unwrap_used, reason = "a test that fails may panic")]
+
+#[path = "common/shape.rs"]
+mod shape;
+
+use std::fs;
+use std::path::Path;
+
+use graintwin::command::{Command, Disposition, Mode, Stamp};
+use graintwin::msg::convert::{self, LIVE_CHUNK};
+use graintwin::msg::{
+    BoundaryCommand, ContactNetwork, Described, Event, Header, JointState, Moduli, PackState,
+    Report, Time, Vector3, WallForces, Wrench, WrenchStamped, topics,
+};
+use graintwin::report::{self, ContactState, Measures};
+use graintwin::wall;
+use serde::de::DeserializeOwned;
+use shape::{Shape, shape_of};
+
+/// A line of a definition: type and name, or a constant with its value.
+#[derive(Debug, PartialEq, Eq)]
+enum Line<'a> {
+    Field(&'a str, &'a str),
+    Constant(&'a str, u8),
+}
+
+fn parse(text: &str) -> Vec<Line<'_>> {
+    let lines = text.lines().map(|line| line.split('#').next().unwrap().trim());
+    lines
+        .filter(|line| !line.is_empty())
+        .map(|line| {
+            let (kind, rest) = line.split_once(' ').unwrap();
+            match rest.split_once('=') {
+                Some((name, value)) => Line::Constant(name.trim(), value.trim().parse().unwrap()),
+                None => Line::Field(kind, rest.trim()),
+            }
+        })
+        .collect()
+}
+
+/// A type as definitions write it; names of messages without their package.
+fn written(shape: &Shape) -> String {
+    match shape {
+        Shape::Primitive(name) | Shape::Struct(name, _) => (*name).to_owned(),
+        Shape::Sequence(of) => format!("{}[]", written(of)),
+        Shape::Array(of, n) => format!("{}[{n}]", written(of)),
+    }
+}
+
+fn assert_same_fields<T: Described + DeserializeOwned>() {
+    let Shape::Struct(name, fields) = shape_of::<T>() else { panic!("no struct") };
+    assert_eq!(name, T::TYPE.name);
+    let of_struct: Vec<_> =
+        fields.iter().map(|(name, shape)| format!("{} {name}", written(shape))).collect();
+    let lines = parse(T::TYPE.text);
+    let of_text: Vec<_> = lines
+        .iter()
+        .filter_map(|line| match line {
+            Line::Field(kind, name) => Some(format!("{} {name}", kind.rsplit('/').next()?)),
+            Line::Constant(..) => None,
+        })
+        .collect();
+    assert_eq!(of_struct, of_text, "{name}");
+}
+
+#[test]
+fn every_struct_has_the_fields_of_its_text() {
+    assert_same_fields::<BoundaryCommand>();
+    assert_same_fields::<WallForces>();
+    assert_same_fields::<PackState>();
+    assert_same_fields::<Moduli>();
+    assert_same_fields::<ContactNetwork>();
+    assert_same_fields::<Report>();
+    assert_same_fields::<Event>();
+    assert_same_fields::<Time>();
+    assert_same_fields::<Header>();
+    assert_same_fields::<Vector3>();
+    assert_same_fields::<Wrench>();
+    assert_same_fields::<WrenchStamped>();
+    assert_same_fields::<JointState>();
+}
+
+#[test]
+fn every_message_text_is_built_by_the_package_and_has_a_struct() {
+    let package = Path::new(env!("CARGO_MANIFEST_DIR")).join("msgs/graintwin_msgs");
+    let recipe = fs::read_to_string(package.join("CMakeLists.txt")).unwrap();
+    let structs = [
+        BoundaryCommand::TYPE,
+        WallForces::TYPE,
+        PackState::TYPE,
+        Moduli::TYPE,
+        ContactNetwork::TYPE,
+        Report::TYPE,
+        Event::TYPE,
+    ];
+    for file in fs::read_dir(package.join("msg")).unwrap() {
+        let path = file.unwrap().path();
+        let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
+        assert!(recipe.contains(&format!("\"msg/{name}.msg\"")), "CMakeLists.txt lacks {name}");
+        assert!(structs.iter().any(|kind| kind.name == name), "{name} has no struct");
+    }
+    for file in fs::read_dir(package.join("srv")).unwrap() {
+        let name = file.unwrap().file_name().into_string().unwrap();
+        assert!(recipe.contains(&format!("\"srv/{name}\"")), "CMakeLists.txt lacks {name}");
+    }
+}
+
+fn constants<T: Described>() -> Vec<(String, u8)> {
+    parse(T::TYPE.text)
+        .into_iter()
+        .filter_map(|line| match line {
+            Line::Constant(name, value) => Some((name.to_owned(), value)),
+            Line::Field(..) => None,
+        })
+        .collect()
+}
+
+#[test]
+fn dispositions_have_the_names_and_numbers_of_the_report() {
+    let dispositions = [
+        Disposition::Applied,
+        Disposition::Clamped,
+        Disposition::Duplicate,
+        Disposition::Stale,
+        Disposition::Gap,
+        Disposition::OutOfOrder,
+        Disposition::Limit,
+        Disposition::Invalid,
+        Disposition::NotConverged,
+        Disposition::Held,
+    ];
+    let named: Vec<_> = dispositions
+        .iter()
+        .map(|&one| (serde_json::to_value(one).unwrap().as_str().unwrap().to_owned(), one as u8))
+        .collect();
+    assert_eq!(named, constants::<Report>());
+}
+
+#[test]
+fn modes_and_contact_states_have_the_numbers_of_their_messages() {
+    let modes =
+        [("ABSOLUTE".into(), Mode::Absolute.into()), ("INCREMENT".into(), Mode::Increment.into())];
+    assert_eq!(modes.to_vec(), constants::<BoundaryCommand>());
+    let states =
+        [("STICK".into(), ContactState::Stick as u8), ("SLIDE".into(), ContactState::Slide as u8)];
+    assert_eq!(states.to_vec(), constants::<ContactNetwork>()[..2]);
+}
+
+#[test]
+fn a_definition_names_every_part_once_and_depth_first() {
+    let rule = "=".repeat(80);
+    let expected = format!(
+        "std_msgs/Header header\nWrench wrench\n\
+         \n{rule}\nMSG: geometry_msgs/Wrench\nVector3 force\nVector3 torque\n\
+         \n{rule}\nMSG: geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n\
+         \n{rule}\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n\
+         \n{rule}\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n"
+    );
+    assert_eq!(WrenchStamped::TYPE.definition(), expected);
+    assert_eq!(WallForces::TYPE.definition().matches("MSG: geometry_msgs/Vector3").count(), 1);
+}
+
+#[test]
+fn wrench_topics_follow_the_order_of_the_walls() {
+    for (name, topic) in wall::NAMES.iter().zip(&topics::WALL_WRENCH) {
+        assert_eq!(topic.recorded_name(), format!("/graintwin/wall/{name}/wrench"));
+    }
+}
+
+#[test]
+fn a_command_survives_the_way_through_its_message() {
+    for mode in [Mode::Absolute, Mode::Increment, Mode::Unknown(7)] {
+        let command = Command {
+            stamp: Stamp { sec: -3, nanosec: 999_999_999 },
+            session: "Prüfstand 4".into(),
+            sequence: u64::MAX,
+            mode,
+            displacement: [1e-9, -2e-9, 0.0, f64::INFINITY, 5e-300, -0.0],
+            age: None,
+        };
+        assert_eq!(Command::from(BoundaryCommand::from(&command)), command);
+    }
+}
+
+fn measures(contacts: u32) -> Measures {
+    let triples = |scale: f64| (0..3 * contacts).map(|i| scale * f64::from(i)).collect();
+    let singles = |scale: f64| (0..contacts).map(|i| scale * f64::from(i)).collect();
+    Measures {
+        stamp: Stamp { sec: 12, nanosec: 34 },
+        increment: 5,
+        walls: report::WallForces {
+            position: [-1.0, 3.0, -2.0, 2.0, -4.0, 4.0],
+            ..report::WallForces::default()
+        },
+        state: None,
+        moduli: None,
+        network: Some(report::ContactNetwork {
+            first: (0..contacts).collect(),
+            second: (0..contacts).map(|i| i + 1).collect(),
+            normal: triples(1.0),
+            normal_force: singles(2.0),
+            tangential_force: triples(3.0),
+            overlap: singles(4.0),
+            state: (0..contacts).map(|i| (i % 2) as u8).collect(),
+        }),
+    }
+}
+
+#[test]
+fn live_chunks_together_are_the_whole_network() {
+    for contacts in [1, 699, 700, 701, 1400, 1401] {
+        let measures = measures(contacts);
+        let chunks: Vec<_> = convert::network_chunks(&measures, LIVE_CHUNK).collect();
+        let count = chunks.len() as u32;
+        assert_eq!(count, contacts.div_ceil(700));
+        let mut joined = chunks[0].clone();
+        for (number, chunk) in chunks.iter().enumerate() {
+            assert_eq!((chunk.chunk as usize, chunk.chunk_count), (number, count));
+            assert!(chunk.first.len() <= 700);
+        }
+        for chunk in &chunks[1..] {
+            joined.first.extend(&chunk.first);
+            joined.second.extend(&chunk.second);
+            joined.normal.extend(&chunk.normal);
+            joined.normal_force.extend(&chunk.normal_force);
+            joined.tangential_force.extend(&chunk.tangential_force);
+            joined.overlap.extend(&chunk.overlap);
+            joined.state.extend(&chunk.state);
+        }
+        joined.chunk_count = 1;
+        assert_eq!(Some(joined), convert::whole_network(&measures));
+    }
+}
+
+#[test]
+fn a_network_without_contacts_is_one_empty_message() {
+    let measures = measures(0);
+    let chunks: Vec<_> = convert::network_chunks(&measures, LIVE_CHUNK).collect();
+    assert_eq!(chunks.len(), 1);
+    assert_eq!((chunks[0].chunk, chunks[0].chunk_count, chunks[0].first.len()), (0, 1, 0));
+    assert_eq!(convert::whole_network(&measures).as_ref(), chunks.first());
+}
+
+#[test]
+fn measures_nobody_asked_for_make_no_message() {
+    let measures = Measures { network: None, ..measures(3) };
+    assert_eq!(convert::network_chunks(&measures, LIVE_CHUNK).count(), 0);
+    assert_eq!(convert::pack_state(&measures), None);
+    assert_eq!(convert::moduli(&measures), None);
+}
+
+/// A force F at the centre of the wall x_max, 2 m from the centre of the box along x, turns about
+/// that centre by (2, 0, 0) x F, and about the wall's own centre not at all.
+#[test]
+fn a_wall_wrench_is_taken_about_the_centre_of_the_wall() {
+    let mut measures = measures(0);
+    measures.walls.force[1] = [10.0, 20.0, 30.0];
+    measures.walls.moment[1] = [0.0, -60.0, 40.0];
+    let wrench = convert::wall_wrench(&measures, 1);
+    assert_eq!(wrench.header.frame_id, "wall_x_max");
+    assert_eq!(wrench.wrench.force, Vector3 { x: 10.0, y: 20.0, z: 30.0 });
+    assert_eq!(wrench.wrench.torque, Vector3::default());
+}

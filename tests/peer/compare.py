@@ -1,0 +1,73 @@
+"""Compares what a peer received with what it should have, field by field and bit by bit.
+
+    compare.py EXPECTED.json RECEIVED.json [--ignore FIELD]...
+
+Both hold a list of messages for every topic. Contact networks are expected whole and come in
+chunks, which are put together here. Prints the first difference and exits with 1.
+"""
+
+import argparse
+import json
+import sys
+
+LARGEST_CHUNK = 700
+COLUMNS = ("first", "second", "normal", "normal_force", "tangential_force", "overlap", "state")
+
+
+def whole(chunks):
+    """One network per increment from its chunks."""
+    networks = {}
+    for chunk in chunks:
+        networks.setdefault(chunk["increment"], []).append(chunk)
+    return [joined(increment, parts) for increment, parts in networks.items()]
+
+
+def joined(increment, parts):
+    numbers = [part["chunk"] for part in parts]
+    count = parts[0]["chunk_count"]
+    if numbers != list(range(count)):
+        sys.exit(f"contact_network of increment {increment}: chunks {numbers} of {count}")
+    for part in parts:
+        if part["chunk_count"] != count or part["header"] != parts[0]["header"]:
+            sys.exit(f"contact_network of increment {increment}: chunks that disagree")
+        if len(part["first"]) > LARGEST_CHUNK:
+            sys.exit(f"contact_network of increment {increment}: {len(part['first'])} in a chunk")
+    network = {**parts[0], "chunk": 0, "chunk_count": 1}
+    for column in COLUMNS:
+        network[column] = [value for part in parts for value in part[column]]
+    return network
+
+
+def compare(path, expected, received, ignored):
+    if isinstance(expected, dict):
+        if set(expected) != set(received):
+            sys.exit(f"{path}: fields {sorted(received)}, not {sorted(expected)}")
+        for name in expected:
+            if name not in ignored:
+                compare(f"{path}.{name}", expected[name], received[name], ignored)
+    elif isinstance(expected, list):
+        if len(expected) != len(received):
+            sys.exit(f"{path}: {len(received)} received, {len(expected)} expected")
+        for index, pair in enumerate(zip(expected, received)):
+            compare(f"{path}[{index}]", *pair, ignored)
+    elif repr(expected) != repr(received):
+        sys.exit(f"{path}: {received!r} received, {expected!r} expected")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("expected")
+    parser.add_argument("received")
+    parser.add_argument("--ignore", action="append", default=[])
+    arguments = parser.parse_args()
+    with open(arguments.expected, encoding="utf-8") as file:
+        expected = json.load(file)
+    with open(arguments.received, encoding="utf-8") as file:
+        received = json.load(file)
+    received["contact_network"] = whole(received["contact_network"])
+    for topic in expected:
+        compare(topic, expected[topic], received[topic], arguments.ignore)
+
+
+if __name__ == "__main__":
+    main()

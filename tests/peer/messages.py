@@ -1,0 +1,169 @@
+"""The messages and topics of graintwin for CycloneDDS, written from msgs/ by hand.
+
+Independent of the Rust types on purpose: a wrong field, order or type on either side shows.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from cyclonedds.core import Policy, Qos
+from cyclonedds.idl import IdlStruct
+from cyclonedds.idl.types import array, float64, int32, sequence, uint8, uint32, uint64
+from cyclonedds.util import duration
+
+
+@dataclass
+class Time(IdlStruct, typename="builtin_interfaces.msg.dds_.Time_"):
+    sec: int32
+    nanosec: uint32
+
+
+@dataclass
+class Header(IdlStruct, typename="std_msgs.msg.dds_.Header_"):
+    stamp: Time
+    frame_id: str
+
+
+@dataclass
+class Vector3(IdlStruct, typename="geometry_msgs.msg.dds_.Vector3_"):
+    x: float64
+    y: float64
+    z: float64
+
+
+@dataclass
+class Wrench(IdlStruct, typename="geometry_msgs.msg.dds_.Wrench_"):
+    force: Vector3
+    torque: Vector3
+
+
+@dataclass
+class WrenchStamped(IdlStruct, typename="geometry_msgs.msg.dds_.WrenchStamped_"):
+    header: Header
+    wrench: Wrench
+
+
+@dataclass
+class JointState(IdlStruct, typename="sensor_msgs.msg.dds_.JointState_"):
+    header: Header
+    name: sequence[str]
+    position: sequence[float64]
+    velocity: sequence[float64]
+    effort: sequence[float64]
+
+
+@dataclass
+class BoundaryCommand(IdlStruct, typename="graintwin_msgs.msg.dds_.BoundaryCommand_"):
+    header: Header
+    session: str
+    sequence: uint64
+    mode: uint8
+    displacement: array[float64, 6]
+
+
+@dataclass
+class WallForces(IdlStruct, typename="graintwin_msgs.msg.dds_.WallForces_"):
+    header: Header
+    increment: uint64
+    normal_force: array[float64, 6]
+    displacement: array[float64, 6]
+    force: array[Vector3, 6]
+    moment: array[Vector3, 6]
+
+
+@dataclass
+class PackState(IdlStruct, typename="graintwin_msgs.msg.dds_.PackState_"):
+    header: Header
+    increment: uint64
+    strain: array[float64, 3]
+    stress_walls: array[float64, 9]
+    stress_contacts: array[float64, 9]
+    confining_stress: float64
+    deviatoric_stress: float64
+    porosity: float64
+    coordination_number: float64
+    sliding_ratio: float64
+    stored_energy: float64
+    dissipated_energy: float64
+    contacts: uint32
+    rattlers: uint32
+    iterations: uint32
+    residual: float64
+    solve_seconds: float64
+    converged: bool
+
+
+@dataclass
+class Moduli(IdlStruct, typename="graintwin_msgs.msg.dds_.Moduli_"):
+    header: Header
+    increment: uint64
+    valid: bool
+    bulk: float64
+    shear: float64
+    young: float64
+    poisson: float64
+    lame: float64
+    p_wave: float64
+    tangent: array[float64, 9]
+
+
+@dataclass
+class ContactNetwork(IdlStruct, typename="graintwin_msgs.msg.dds_.ContactNetwork_"):
+    header: Header
+    increment: uint64
+    chunk: uint32
+    chunk_count: uint32
+    first: sequence[uint32]
+    second: sequence[uint32]
+    normal: sequence[float64]
+    normal_force: sequence[float64]
+    tangential_force: sequence[float64]
+    overlap: sequence[float64]
+    state: sequence[uint8]
+
+
+@dataclass
+class Report(IdlStruct, typename="graintwin_msgs.msg.dds_.Report_"):
+    header: Header
+    session: str
+    sequence: uint64
+    increment: uint64
+    disposition: uint8
+    substeps: uint32
+    text: str
+
+
+class Out(NamedTuple):
+    """What the node publishes on one topic; depth is the peer's, deep enough for its bursts."""
+
+    kind: type
+    depth: int
+    latched: bool = False
+
+
+WALLS = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max")
+
+OUT = {
+    "wall_forces": Out(WallForces, 20000),
+    **{f"wall/{wall}/wrench": Out(WrenchStamped, 20000) for wall in WALLS},
+    "wall_states": Out(JointState, 20000),
+    "state": Out(PackState, 20000),
+    "moduli": Out(Moduli, 20000, latched=True),
+    "contact_network": Out(ContactNetwork, 2000),
+    "report": Out(Report, 20000),
+}
+
+
+def dds_name(topic):
+    """The DDS name of a topic of the node."""
+    return f"rt/graintwin/{topic}"
+
+
+def qos(depth, latched=False):
+    """Reliable, keep last, as the contract's table says."""
+    durability = Policy.Durability.TransientLocal if latched else Policy.Durability.Volatile
+    return Qos(
+        Policy.Reliability.Reliable(duration(seconds=10)),
+        durability,
+        Policy.History.KeepLast(depth),
+    )
