@@ -235,8 +235,10 @@ fn an_interrupt_ends_the_run_after_the_increment_at_hand_with_its_summary() {
         line.clear();
         assert!(stderr.read_line(&mut line).unwrap() > 0, "no word about the commands");
     }
-    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    assert!(sent.success());
+    // A launcher passes the signal on that the terminal has sent as well.
+    let twice = format!("kill -INT {0}; kill -INT {0}; kill -TERM {0}", child.id());
+    let sent = Command::new("sh").args(["-c", &twice]).status().unwrap();
+    assert!(sent.success(), "{sent}");
     let Output { status, stdout, .. } = child.wait_with_output().unwrap();
     assert_eq!(status.code(), Some(0));
     let json: Value = serde_json::from_slice(&stdout).unwrap();

@@ -15,9 +15,10 @@ impl Progress {
     /// A bar for `length` commands; without a length, a count.
     pub(super) fn new(length: Option<usize>, bars: &MultiProgress) -> Self {
         let (bar, template) = match length {
-            Some(length) => {
-                (ProgressBar::new(length as u64), "{bar:20} increment {pos}/{len} {msg} | {eta} left")
-            }
+            Some(length) => (
+                ProgressBar::new(length as u64),
+                "{bar:20} increment {pos}/{len} {msg} | {eta} left",
+            ),
             None => (ProgressBar::no_length(), "{spinner} increment {pos} {msg}"),
         };
         Self(with_style(bars.add(bar), template))
