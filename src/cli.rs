@@ -7,6 +7,10 @@ mod generate;
 mod log;
 pub(crate) mod output;
 mod progress;
+#[cfg(feature = "mcap")]
+mod recording;
+#[cfg(feature = "ros")]
+mod ros;
 mod run;
 mod serve;
 mod specimen;

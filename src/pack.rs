@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use crate::wall::Bounds;
 
 pub use build::build;
-pub use csv::{Columns, Constants, PackFile, PackRow, read, save};
+pub use csv::{Columns, Constants, PackFile, PackRow, box_json, read, save, to_csv};
 pub use error::PackError;
 
 /// One grain's constants and position.

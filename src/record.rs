@@ -61,7 +61,7 @@ pub struct Provenance {
 }
 
 /// What was recorded.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Recorded {
     /// The folder.
     pub folder: PathBuf,
@@ -212,8 +212,11 @@ impl Target {
     }
 }
 
-/// Makes `folder` unless it is there and empty.
-fn claim(folder: &Path) -> Result<(), RecordError> {
+/// Makes `folder` unless it is there and empty: what [`Recorder::create`] does first.
+///
+/// # Errors
+/// When `folder` is a file, holds something, or cannot be made.
+pub fn claim(folder: &Path) -> Result<(), RecordError> {
     let failed = |error: io::Error| RecordError::Create {
         path: folder.to_owned(),
         reason: error.to_string(),

@@ -1,5 +1,7 @@
 //! `graintwin check`
 
+#[cfg(feature = "mcap")]
+mod bag;
 mod pack;
 mod scene;
 
@@ -9,14 +11,15 @@ use anyhow::anyhow;
 
 use super::{Cli, Failure, Outcome, output};
 
-/// Says whether a scene or a pack is right, and what is in it.
+/// Says whether a scene, a pack or a bag is right, and what is in it.
 ///
 /// A scene is checked with the pack and the load path files that it names; a pack that is still to
-/// be made is not made. What is wrong is named with file, line and field.
+/// be made is not made. What is wrong is named with file, line and field. Of a damaged bag is told
+/// what can still be read, and the exit code is 3.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = "Example:\n  graintwin check launch_configs/quickstart.yaml")]
 pub(super) struct Args {
-    /// A scene (.yaml, .yml) or a pack (.csv).
+    /// A scene (.yaml, .yml), a pack (.csv), or a bag (its folder, or .mcap).
     file: PathBuf,
 }
 
@@ -29,10 +32,16 @@ pub(super) fn run(args: &Args, cli: &Cli) -> Result<Outcome, Failure> {
             None => return Ok(Outcome::Done),
         },
         "csv" => pack::describe(file)?,
+        #[cfg(feature = "mcap")]
+        _ if extension == "mcap" || file.is_dir() => {
+            let (text, outcome) = bag::describe(file)?;
+            output::print(&text)?;
+            return Ok(outcome);
+        }
         _ => {
             return Err(Failure::Input(anyhow!(
                 "{}: a name ending in `{extension}` tells no kind of file; allowed: .yaml or .yml \
-                 for a scene, .csv for a pack",
+                 for a scene, .csv for a pack, .mcap or a folder for a bag",
                 file.display()
             )));
         }

@@ -18,6 +18,8 @@ pub(super) fn start(verbose: u8, quiet: bool) -> MultiProgress {
         (false, 1) => "info",
         (false, _) => "debug",
     };
+    #[cfg(feature = "ros")]
+    let level = format!("{},{level}", graintwin::node::LOG_FILTER);
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(level));
     tracing_subscriber::fmt()
         .with_env_filter(filter)

@@ -1,25 +1,33 @@
 //! `graintwin run`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use indicatif::MultiProgress;
 
 use graintwin::command::Command;
+use graintwin::pack::Pack;
 use graintwin::path;
+use graintwin::scene::Loaded;
 use graintwin::sink::Sink;
 use graintwin::twin::Twin;
 
 use super::progress::Progress;
+#[cfg(feature = "mcap")]
+use super::recording::{self, Recording};
+#[cfg(feature = "ros")]
+use super::ros::Link;
 use super::summary::Summary;
 use super::{Cli, Failure, Outcome, output, serve, specimen, stop};
 
 /// Makes or loads the pack of a scene and serves commands until they end or Ctrl-C.
 ///
 /// Commands come from --commands, else from the scene's own load_path. Without either the pack is
-/// brought to equilibrium and measured. At the end a summary goes to stdout.
+/// brought to equilibrium and measured. With --ros they come from the topic
+/// /graintwin/boundary_command; when the scene has a node.virtual_rig, or --commands is given, a
+/// rig inside the program publishes them there. At the end a summary goes to stdout.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = "Example:\n  \
-    graintwin run launch_configs/quickstart.yaml --json\n\n\
+    graintwin run launch_configs/rig_log.yaml --ros --record bags/rig_log\n\n\
     A command CSV has the header stamp,x_min,x_max,y_min,y_max,z_min,z_max: the time in s and the \
     inward displacement of each wall since the start of the run in m. A column left out leaves its \
     wall where it is; # starts a comment.")]
@@ -27,9 +35,19 @@ pub(super) struct Args {
     /// The scene, YAML.
     scene: PathBuf,
 
-    /// Takes the commands from this CSV instead of the scene's load_path (s, m).
+    /// Takes the commands from this CSV (s, m) or bag instead of the scene's load_path.
     #[arg(long, value_name = "FILE")]
     commands: Option<PathBuf>,
+
+    /// Records everything into this folder, which must be new or empty.
+    #[cfg(feature = "mcap")]
+    #[arg(long, value_name = "DIR")]
+    record: Option<PathBuf>,
+
+    /// Joins ROS 2 as the node /graintwin.
+    #[cfg(feature = "ros")]
+    #[arg(long)]
+    ros: bool,
 
     /// Prints the summary as one JSON object (SI units).
     #[arg(long)]
@@ -38,23 +56,72 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args, cli: &Cli, bars: &MultiProgress) -> Result<Outcome, Failure> {
     let Some(loaded) = cli.scene(&args.scene)? else { return Ok(Outcome::Done) };
-    let given = args.commands.as_deref().map(path::read_csv).transpose()?;
+    let given = args.commands.as_deref().map(read_commands).transpose()?;
+    #[cfg(feature = "mcap")]
+    args.record.as_deref().map(recording::reserve).transpose()?;
     let pack = specimen::build(&loaded, cli.threads(), bars)?;
-    let commands = match given {
-        Some(commands) => commands,
+    let commands = match &given {
+        Some(commands) => commands.clone(),
         None => path::commands(&loaded.scene.load_path, loaded.folder(), &pack.bounds)?,
     };
-
     let mut twin = Twin::new(&loaded.scene, &pack, cli.threads())?;
     let mut summary = Summary::new(&loaded, &pack);
     let stop = stop::on_signal()?;
-    tracing::info!("{} commands for {} grains", commands.len(), pack.grains.len());
-    {
-        let commands = Box::new(commands.into_iter()) as Box<dyn Iterator<Item = Command>>;
-        let progress = Progress::new(commands.size_hint().1, bars);
-        let mut sinks: Vec<Box<dyn Sink + '_>> = vec![Box::new(&mut summary), Box::new(progress)];
-        serve::serve(&mut twin, loaded.scene.outputs, commands, &mut sinks, &stop)?;
+    #[cfg(feature = "mcap")]
+    let mut recording = start_recording(args, &loaded, &pack, cli.threads())?;
+
+    #[cfg(feature = "ros")]
+    let mut link = match args.ros {
+        true => Some(Link::start(&loaded.scene, commands.clone(), given.is_some(), &stop)?),
+        false => None,
+    };
+    let served = {
+        let mut sinks: Vec<Box<dyn Sink + '_>> = Vec::new();
+        let mut source: Box<dyn Iterator<Item = Command> + '_> = Box::new(commands.into_iter());
+        let mut length = source.size_hint().1;
+        #[cfg(feature = "ros")]
+        if let Some(link) = &mut link {
+            sinks.push(link.sink());
+            length = link.length();
+            source = link.commands();
+        }
+        #[cfg(feature = "mcap")]
+        sinks.extend(recording.as_mut().map(|recording| Box::new(recording) as Box<dyn Sink>));
+        sinks.push(Box::new(&mut summary));
+        sinks.push(Box::new(Progress::new(length, bars)));
+        serve::serve(&mut twin, loaded.scene.outputs, source, &mut sinks, &stop)
+    };
+    #[cfg(feature = "ros")]
+    if let Some(link) = link {
+        summary.linked(link.end());
     }
+    #[cfg(feature = "mcap")]
+    if let Some(recording) = recording {
+        summary.recorded(recording.finish());
+    }
+    served?;
     output::print(&if args.json { summary.json()? } else { summary.table() })?;
-    Ok(if summary.refused() == 0 { Outcome::Done } else { Outcome::Incomplete })
+    Ok(if summary.complete() { Outcome::Done } else { Outcome::Incomplete })
+}
+
+#[cfg(feature = "mcap")]
+fn start_recording(
+    args: &Args,
+    loaded: &Loaded,
+    pack: &Pack,
+    threads: usize,
+) -> Result<Option<Recording>, Failure> {
+    let folder = args.record.as_deref();
+    folder.map(|folder| Recording::start(folder, loaded, pack, threads)).transpose()
+}
+
+/// Commands from a CSV, or from a bag.
+fn read_commands(file: &Path) -> Result<Vec<Command>, Failure> {
+    #[cfg(feature = "mcap")]
+    if file.is_dir() || file.extension().is_some_and(|extension| extension == "mcap") {
+        use graintwin::record::reader::Bag;
+        let bag = Bag::open(file).map_err(Failure::input)?;
+        return bag.commands().collect::<Result<_, _>>().map_err(Failure::input);
+    }
+    Ok(path::read_csv(file)?)
 }

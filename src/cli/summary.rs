@@ -37,6 +37,17 @@ pub(super) struct Summary {
     iterations: u64,
     worst_residual: f64,
     solve_seconds: f64,
+    /// The node, when there was one.
+    #[cfg(feature = "ros")]
+    node: Option<graintwin::node::Summary>,
+    /// The rig inside the program, when there was one.
+    #[cfg(feature = "ros")]
+    virtual_rig: Option<graintwin::node::rig::Played>,
+    /// The recording, when there is one.
+    #[cfg(feature = "mcap")]
+    recording: Option<graintwin::record::Recorded>,
+    /// What was lost on the way out, in words.
+    lost: Vec<String>,
     /// The initial equilibrium.
     start: Option<Moment>,
     /// The last one.
@@ -68,14 +79,57 @@ impl Summary {
             iterations: 0,
             worst_residual: 0.0,
             solve_seconds: 0.0,
+            #[cfg(feature = "ros")]
+            node: None,
+            #[cfg(feature = "ros")]
+            virtual_rig: None,
+            #[cfg(feature = "mcap")]
+            recording: None,
+            lost: Vec::new(),
             start: None,
             end: None,
         }
     }
 
-    /// Commands that did not move the walls though they should have.
-    pub(super) fn refused(&self) -> u64 {
-        self.refused
+    /// Whether every command was served and nothing was lost.
+    pub(super) fn complete(&self) -> bool {
+        self.refused == 0 && self.lost.is_empty()
+    }
+
+    /// Takes what the node and the rig did.
+    #[cfg(feature = "ros")]
+    pub(super) fn linked(&mut self, linked: super::ros::Linked) {
+        let super::ros::Linked { node, rig } = linked;
+        if node.lost > 0 {
+            self.lose(format!("{} messages could not be published", node.lost));
+        }
+        if node.unreadable > 0 {
+            self.lose(format!("{} samples on the command topic were no commands", node.unreadable));
+        }
+        self.node = Some(node);
+        match rig {
+            Some(Ok(played)) => self.virtual_rig = Some(played),
+            Some(Err(error)) => self.lose(error.to_string()),
+            None => {}
+        }
+    }
+
+    /// Takes how the recording ended.
+    #[cfg(feature = "mcap")]
+    pub(super) fn recorded(
+        &mut self,
+        ended: Result<graintwin::record::Recorded, graintwin::record::RecordError>,
+    ) {
+        match ended {
+            Ok(recorded) => self.recording = Some(recorded),
+            Err(error) => self.lose(error.to_string()),
+        }
+    }
+
+    #[cfg(any(feature = "ros", feature = "mcap"))]
+    fn lose(&mut self, what: String) {
+        tracing::error!("{what}");
+        self.lost.push(what);
     }
 
     /// One JSON object; numbers that are not known are null.

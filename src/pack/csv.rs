@@ -237,6 +237,13 @@ pub fn save(pack: &Pack, file: &Path) -> Result<(), PackError> {
     if file.extension().is_none_or(|extension| extension != "csv") {
         return Err(PackError::Name { file: file.into() });
     }
+    write(file, &to_csv(pack))?;
+    write(&box_file(file), &box_json(&pack.bounds))
+}
+
+/// The pack as CSV with the constants of every grain.
+#[must_use]
+pub fn to_csv(pack: &Pack) -> String {
     let mut text = [GEOMETRY, CONSTANTS].concat().join(",");
     text.push('\n');
     for grain in &pack.grains {
@@ -249,11 +256,12 @@ pub fn save(pack: &Pack, file: &Path) -> Result<(), PackError> {
             "{x:?},{y:?},{z:?},{radius:?},{young:?},{poisson:?},{density:?},{friction:?}"
         );
     }
-    write(file, &text)?;
-    write(&box_file(file), &box_json(&pack.bounds))
+    text
 }
 
-fn box_json(bounds: &Bounds) -> String {
+/// The JSON that tells a pack's box, to stand beside its CSV.
+#[must_use]
+pub fn box_json(bounds: &Bounds) -> String {
     #[derive(Serialize)]
     struct Beside<'a> {
         #[serde(rename = "box")]

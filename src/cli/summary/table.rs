@@ -32,6 +32,42 @@ pub(super) fn write(summary: &Summary) -> String {
             significant(summary.solve_seconds, 3),
         ),
     );
+    #[cfg(feature = "ros")]
+    if let Some(node) = &summary.node {
+        line(
+            &mut text,
+            "ROS 2",
+            &format!("{} commands in, {} messages out", node.commands, node.published),
+        );
+    }
+    #[cfg(feature = "ros")]
+    if let Some(rig) = &summary.virtual_rig {
+        let trip = |seconds: f64| significant(seconds * 1e3, 3);
+        line(
+            &mut text,
+            "virtual rig",
+            &format!(
+                "{} of {} commands answered, command to report {} ms median, {} ms worst",
+                rig.answered,
+                rig.sent,
+                trip(rig.round_trip_median),
+                trip(rig.round_trip_worst),
+            ),
+        );
+    }
+    #[cfg(feature = "mcap")]
+    if let Some(recording) = &summary.recording {
+        let megabytes = significant(recording.bytes as f64 * 1e-6, 3);
+        let what = format!(
+            "{}, {} messages, {megabytes} MB",
+            recording.folder.display(),
+            recording.messages
+        );
+        line(&mut text, "recording", &what);
+    }
+    for lost in &summary.lost {
+        line(&mut text, "LOST", lost);
+    }
     if let (Some(start), Some(end)) = (&summary.start, &summary.end) {
         text.push('\n');
         let from = format!("increment {}", start.increment);

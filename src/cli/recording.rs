@@ -1,0 +1,61 @@
+//! `run --record`: the recorder among the sinks.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use graintwin::pack::{self, Pack};
+use graintwin::record::{Provenance, RecordError, Recorded, Recorder, claim};
+use graintwin::report::Demand;
+use graintwin::scene::Loaded;
+use graintwin::sink::{Served, Sink};
+
+use super::Failure;
+
+/// Makes sure that `folder` can take a recording, before the run costs any time.
+pub(super) fn reserve(folder: &Path) -> Result<(), Failure> {
+    claim(folder).map_err(Failure::input)
+}
+
+/// A recorder that says on stderr when it fails.
+pub(super) struct Recording {
+    recorder: Recorder,
+    told: bool,
+}
+
+impl Recording {
+    pub(super) fn start(
+        folder: &Path,
+        loaded: &Loaded,
+        pack: &Pack,
+        threads: usize,
+    ) -> Result<Self, Failure> {
+        let provenance = Provenance {
+            scene: loaded.scene.to_yaml()?,
+            pack_csv: pack::to_csv(pack).into_bytes(),
+            pack_json: pack::box_json(&pack.bounds).into_bytes(),
+            threads,
+        };
+        let recorder = Recorder::create(folder, &loaded.scene.record, &provenance);
+        Ok(Self { recorder: recorder.map_err(Failure::input)?, told: false })
+    }
+
+    pub(super) fn finish(self) -> Result<Recorded, RecordError> {
+        self.recorder.finish()
+    }
+}
+
+impl Sink for &mut Recording {
+    fn demand(&self) -> Demand {
+        self.recorder.demand()
+    }
+
+    fn served(&mut self, served: &Arc<Served>) {
+        self.recorder.served(served);
+        if !self.told
+            && let Some(failure) = self.recorder.failure()
+        {
+            tracing::error!("{failure}; the run goes on without recording");
+            self.told = true;
+        }
+    }
+}
