@@ -1,4 +1,9 @@
 //! Relaxation to static equilibrium: the minimum of the potential energy (T 2.5, A.2).
+//!
+//! [`advance`](advance::advance) moves the walls in sub-increments and calls [`relax`] after each.
+//! That leaves out the grains that cannot carry load ([`rattlers`]), minimises the energy of the
+//! others by [`newton`], and where that runs into an instability follows the grains downhill
+//! ([`fire`]) and begins again.
 
 pub mod advance;
 pub mod balance;
@@ -93,6 +98,8 @@ pub struct Workspace {
     /// Shift of each grain's block, shape (n).
     shift: Vec<f32>,
     trial: Vec<Vec3>,
+    /// Velocities of an inertial descent, shape (n).
+    velocity: Vec<Vec3>,
     trial_balance: Balance,
     rattlers: Rattlers,
     negligible_force: f64,
@@ -112,6 +119,7 @@ impl Workspace {
             step_cap: 1.0,
             shift: Vec::with_capacity(model.len()),
             trial: Vec::with_capacity(model.len()),
+            velocity: Vec::with_capacity(model.len()),
             trial_balance: Balance::default(),
             rattlers: Rattlers::default(),
             negligible_force: model.negligible_force(),
@@ -157,22 +165,19 @@ pub fn relax(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome 
 
 /// Relaxes by Newton's method alone.
 fn newton(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
-    let mut iterations = 0;
+    let (mut iterations, mut round) = (0, 0);
     rattlers::find(model, state, work);
-    for round in 0..=ROUNDS {
+    loop {
         let solved = newton::solve(model, state, work);
         iterations += solved.iterations;
         let (residual, sums) = (solved.residual, work.balance.sums);
         let outcome = |status| Outcome { status, residual, iterations, sums, descents: 0 };
-        if !solved.status.is_equilibrium() {
-            return outcome(solved.status);
-        }
-        if !rattlers::settle(model, state, work) {
+        if !solved.status.is_equilibrium() || !rattlers::settle(model, state, work) {
             return outcome(solved.status);
         }
         if round == ROUNDS {
             return outcome(Status::MaxIterations);
         }
+        round += 1;
     }
-    unreachable!("the loop returns in its last round")
 }

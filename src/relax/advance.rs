@@ -1,7 +1,6 @@
 //! One load increment: walls to a target, in sub-increments that the pack can follow.
 
 use crate::Vec3;
-use crate::measure::contacts::Contacts;
 use crate::measure::walls;
 use crate::model::Model;
 use crate::relax::{Outcome, Workspace, relax};
@@ -41,7 +40,8 @@ pub fn advance(
     let start = state.clone();
     let mut last = state.clone();
     let mut so_far = Advance { outcome: here, substeps: 0, iterations: 0, descents: 0 };
-    let mut forces = wall_forces(model, state, work);
+    work.neighbours.refresh(model, &state.position, &state.bounds(model));
+    let mut forces = walls::normal_forces(model, state, &work.neighbours);
     while state.displacement != *target || so_far.substeps == 0 {
         let parts = (remaining_strain(model, state, target) / strain_limit(model, &so_far.outcome))
             .ceil()
@@ -65,7 +65,7 @@ pub fn advance(
             share *= 0.5;
         }
         so_far.substeps += 1;
-        let next = wall_forces(model, state, work);
+        let next = walls::normal_forces(model, state, &work.neighbours);
         for w in 0..wall::COUNT {
             let path = state.displacement[w] - last.displacement[w];
             state.wall_work += 0.5 * (forces[w] + next[w]) * path;
@@ -73,13 +73,6 @@ pub fn advance(
         forces = next;
     }
     so_far
-}
-
-fn wall_forces(model: &Model, state: &State, work: &mut Workspace) -> [f64; wall::COUNT] {
-    let bounds = state.bounds(model);
-    work.neighbours.refresh(model, &state.position, &bounds);
-    let contacts = Contacts::of(model, state, &work.neighbours);
-    walls::forces(model, state, &contacts.list).normal_force
 }
 
 /// Largest strain of an axis that is left, a shift of the whole box counted as a strain too.

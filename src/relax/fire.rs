@@ -38,7 +38,21 @@ pub struct Goal {
 /// `MaxIterations` or `NonFinite`.
 pub fn descend(model: &Model, state: &mut State, work: &mut Workspace, goal: Goal) -> Status {
     state.carries.fill(true);
-    let mut velocity = vec![Vec3::zeros(); model.len()];
+    let mut velocity = std::mem::take(&mut work.velocity);
+    velocity.clear();
+    velocity.resize(model.len(), Vec3::zeros());
+    let status = run(model, state, work, goal, &mut velocity);
+    work.velocity = velocity;
+    status
+}
+
+fn run(
+    model: &Model,
+    state: &mut State,
+    work: &mut Workspace,
+    goal: Goal,
+    velocity: &mut [Vec3],
+) -> Status {
     let mut box_velocity = Vec3::zeros();
     let mass = MASS * work.reference_stiffness;
     let box_mass = mass * model.len() as f64 * model.mean_radius.powi(2);
@@ -84,7 +98,7 @@ pub fn descend(model: &Model, state: &mut State, work: &mut Workspace, goal: Goa
             (dt, alpha, positive) = (dt * 0.5, 0.1, 0);
         }
         let longest = LONGEST.0 * model.mean_radius / dt;
-        for ((at, v), g) in state.position.iter_mut().zip(&mut velocity).zip(gradient) {
+        for ((at, v), g) in state.position.iter_mut().zip(velocity.iter_mut()).zip(gradient) {
             *v -= g * (dt / mass);
             let speed = v.norm();
             if speed > longest {

@@ -28,7 +28,7 @@ impl Default for Solver {
             method: Method::Newton,
             tolerance: 1.0e-8,
             max_strain_increment: 1.0e-4,
-            max_overlap_share: 0.1,
+            max_overlap_share: 0.05,
             max_iterations: 500,
         }
     }
