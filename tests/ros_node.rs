@@ -16,7 +16,6 @@ mod network;
 #[path = "common/peer.rs"]
 mod peer;
 #[path = "common/python.rs"]
-#[allow(dead_code, reason = "what it runs for the tests of recordings")]
 mod python;
 
 use std::fs;

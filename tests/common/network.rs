@@ -12,6 +12,7 @@ pub(crate) enum Loopback {
     /// With multicast: DDS implementations find each other at once.
     Multicast,
     /// As a machine has it: without.
+    #[allow(dead_code, reason = "not every test program needs it")]
     Plain,
 }
 
