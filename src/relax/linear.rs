@@ -91,8 +91,8 @@ impl Linear {
         self.factor.extend(self.diagonal.iter().zip(shift).map(|(d, s)| d.shifted(*s)));
         self.inverse.resize(rows, Sym3::default());
         self.excess.resize(rows, Sym3::default());
-        for i in 0..rows {
-            let diagonal = self.diagonal[i].shifted(shift[i]);
+        for (i, &shift) in shift.iter().enumerate() {
+            let diagonal = self.diagonal[i].shifted(shift);
             let floor = SMALL_PIVOT * (diagonal.trace().abs() / 3.0).max(f32::MIN_POSITIVE);
             let (factor, inverse) = self.factor[i].inverse_lifted(floor);
             self.factor[i] = factor;
