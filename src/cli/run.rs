@@ -5,8 +5,10 @@ use std::path::{Path, PathBuf};
 use indicatif::MultiProgress;
 
 use graintwin::command::Command;
+#[cfg(feature = "mcap")]
 use graintwin::pack::Pack;
 use graintwin::path;
+#[cfg(feature = "mcap")]
 use graintwin::scene::Loaded;
 use graintwin::sink::Sink;
 use graintwin::twin::Twin;
@@ -77,14 +79,17 @@ pub(super) fn run(args: &Args, cli: &Cli, bars: &MultiProgress) -> Result<Outcom
     };
     let served = {
         let mut sinks: Vec<Box<dyn Sink + '_>> = Vec::new();
-        let mut source: Box<dyn Iterator<Item = Command> + '_> = Box::new(commands.into_iter());
-        let mut length = source.size_hint().1;
         #[cfg(feature = "ros")]
-        if let Some(link) = &mut link {
-            sinks.push(link.sink());
-            length = link.length();
-            source = link.commands();
-        }
+        let (source, length) = match &mut link {
+            Some(link) => {
+                sinks.push(link.sink());
+                let length = link.length();
+                (link.commands(), length)
+            }
+            None => from_file(commands),
+        };
+        #[cfg(not(feature = "ros"))]
+        let (source, length) = from_file(commands);
         #[cfg(feature = "mcap")]
         sinks.extend(recording.as_mut().map(|recording| Box::new(recording) as Box<dyn Sink>));
         sinks.push(Box::new(&mut summary));
@@ -102,6 +107,14 @@ pub(super) fn run(args: &Args, cli: &Cli, bars: &MultiProgress) -> Result<Outcom
     served?;
     output::print(&if args.json { summary.json()? } else { summary.table() })?;
     Ok(if summary.complete() { Outcome::Done } else { Outcome::Incomplete })
+}
+
+/// Commands that are all known, and how many there are.
+fn from_file<'a>(
+    commands: Vec<Command>,
+) -> (Box<dyn Iterator<Item = Command> + 'a>, Option<usize>) {
+    let length = Some(commands.len());
+    (Box::new(commands.into_iter()), length)
 }
 
 #[cfg(feature = "mcap")]

@@ -10,6 +10,8 @@ use crate::wall;
 /// A sub-increment is never smaller than this share of `solver.max_strain_increment`, so that
 /// decompression passes the point where the overlaps vanish.
 const LEAST_SHARE: f64 = 0.01;
+/// A command of exactly the largest strain may come out larger by rounding and is not halved.
+const ROUNDING: f64 = 1e-9;
 /// Halvings of a sub-increment that finds no equilibrium.
 const HALVINGS: u32 = 6;
 
@@ -43,9 +45,8 @@ pub fn advance(
     work.neighbours.refresh(model, &state.position, &state.bounds(model));
     let mut forces = walls::normal_forces(model, state, &work.neighbours);
     while state.displacement != *target || so_far.substeps == 0 {
-        let parts = (remaining_strain(model, state, target) / strain_limit(model, &so_far.outcome))
-            .ceil()
-            .max(1.0);
+        let ratio = remaining_strain(model, state, target) / strain_limit(model, &so_far.outcome);
+        let parts = (ratio * (1.0 - ROUNDING)).ceil().max(1.0);
         let mut share = 1.0 / parts;
         last.copy_from(state);
         for attempt in 0.. {
@@ -75,9 +76,9 @@ pub fn advance(
     so_far
 }
 
-/// Largest strain of an axis that is left, a shift of the whole box counted as a strain too.
+/// Largest strain of an axis that is left, against the box at the start, a shift of the whole box counted as a strain too.
 fn remaining_strain(model: &Model, state: &State, target: &[f64; wall::COUNT]) -> f64 {
-    let sides = state.bounds(model).sides();
+    let sides = model.start.sides();
     (0..3)
         .map(|axis| {
             let left = |w: usize| (target[w] - state.displacement[w]).abs();

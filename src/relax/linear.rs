@@ -156,13 +156,6 @@ impl Linear {
         Vec3::new(f64::from(s[0]), f64::from(s[1]), f64::from(s[2])) * unit
     }
 
-    /// How far grain `i` moves along the last direction, in no particular unit: after
-    /// [`Inner::NegativeCurvature`] this is the direction along which the energy is concave.
-    #[must_use]
-    pub fn direction(&self, i: usize) -> f32 {
-        self.t[i].iter().map(|t| t * t).sum::<f32>().sqrt()
-    }
-
     /// residual ← (Δ + L)⁻¹ residual.
     fn forward(&mut self) {
         for i in 0..self.residual.len() {

@@ -9,9 +9,7 @@ use crate::state::State;
 use crate::wall::Bounds;
 
 /// First shift of a grain, and the one below which it is dropped, over the sum of P/r of a grain.
-const FIRST_SHIFT: f64 = 0.1;
-/// Grains that move at least this share of the one that moves most are part of a concave direction.
-const INVOLVED: f32 = 0.3;
+const FIRST_SHIFT: f64 = 0.02;
 /// Shifted steps in a row after which the configuration counts as unstable.
 const MOST_SHIFTED: u32 = 20;
 /// Shifts tried in one step.
@@ -89,9 +87,9 @@ fn residual(model: &Model, largest: f64, mean_force: f64) -> f64 {
 
 /// Takes one accepted step; says whether it was shifted, `None` when no step descends.
 ///
-/// Where the energy is concave, or a grain would move further than it can be trusted to, only
-/// the grains concerned are held back, by a shift of their own blocks: one grain on the jump must
-/// not stop the others.
+/// Where the energy is concave the whole Hessian is shifted, and the step leads downhill the way
+/// an overdamped specimen would go. Where a grain would move further than the linearisation
+/// holds, its own block alone is shifted: one grain on the jump must not stop the others.
 fn step(
     model: &Model,
     state: &mut State,
@@ -111,12 +109,7 @@ fn step(
         work.linear.factorise(&work.shift);
         let inner = work.linear.solve(&work.balance.gradient, largest, forcing, MOST_PRODUCTS);
         if inner == Inner::NegativeCurvature {
-            let most = (0..model.len()).map(|i| work.linear.direction(i)).fold(0.0, f32::max);
-            for (i, shift) in work.shift.iter_mut().enumerate() {
-                if work.linear.direction(i) >= INVOLVED * most {
-                    *shift = (4.0 * *shift).max(first);
-                }
-            }
+            raise(&mut work.shift, first);
             continue;
         }
         let mut held_back = false;
@@ -131,7 +124,7 @@ fn step(
         }
         let shifted = work.shift.iter().any(|&shift| shift > 0.0);
         let Some(whole) = search(model, state, work, bounds, unit) else {
-            work.shift.iter_mut().for_each(|shift| *shift = (4.0 * *shift).max(first));
+            raise(&mut work.shift, first);
             continue;
         };
         for shift in &mut work.shift {
@@ -144,6 +137,13 @@ fn step(
         return Some(shifted);
     }
     None
+}
+
+/// Shifts every grain's block more.
+fn raise(shifts: &mut [f32], first: f32) {
+    for shift in shifts {
+        *shift = (4.0 * *shift).max(first);
+    }
 }
 
 /// Backtracks along the step; says whether the whole step was taken, `None` when nothing descends.
