@@ -255,7 +255,6 @@ impl Twin {
     }
 
     /// Histograms of the coordination number now (T fig. 2.6).
-    #[must_use]
     pub fn coordination(&mut self) -> Histograms {
         let Self { model, state, work, .. } = self;
         work.neighbours.refresh(model, &state.position, &state.bounds(model));

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use graintwin::command::Disposition;
+use graintwin::measure::coordination::Histograms;
 use graintwin::pack::Pack;
 use graintwin::report::{Demand, Measures, Moduli, PackState, WallForces};
 use graintwin::scene::Loaded;
@@ -48,6 +49,8 @@ pub(super) struct Summary {
     recording: Option<graintwin::record::Recorded>,
     /// What was lost on the way out, in words.
     lost: Vec<String>,
+    /// How many grains have 0, 1, 2, ... contacts at the end.
+    coordination: Histograms,
     /// The initial equilibrium.
     start: Option<Moment>,
     /// The last one.
@@ -86,6 +89,7 @@ impl Summary {
             #[cfg(feature = "mcap")]
             recording: None,
             lost: Vec::new(),
+            coordination: Histograms::default(),
             start: None,
             end: None,
         }
@@ -94,6 +98,11 @@ impl Summary {
     /// Whether every command was served and nothing was lost.
     pub(super) fn complete(&self) -> bool {
         self.refused == 0 && self.lost.is_empty()
+    }
+
+    /// Takes the coordination numbers at the end.
+    pub(super) fn histograms(&mut self, histograms: Histograms) {
+        self.coordination = histograms;
     }
 
     /// Takes what the node and the rig did.
