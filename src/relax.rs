@@ -97,6 +97,8 @@ pub struct Workspace {
     pub step_cap: f64,
     /// Shift of each grain's block, shape (n).
     shift: Vec<f32>,
+    /// Contacts of each grain, shape (n); for packs with weight.
+    support: Vec<u32>,
     trial: Vec<Vec3>,
     /// Velocities of an inertial descent, shape (n).
     velocity: Vec<Vec3>,
@@ -118,6 +120,7 @@ impl Workspace {
             reference_stiffness: hertz::stiffness(modulus, 1e-2 * model.mean_radius),
             step_cap: 1.0,
             shift: Vec::with_capacity(model.len()),
+            support: Vec::new(),
             trial: Vec::with_capacity(model.len()),
             velocity: Vec::with_capacity(model.len()),
             trial_balance: Balance::default(),

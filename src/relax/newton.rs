@@ -4,7 +4,7 @@ use crate::Vec3;
 use crate::model::Model;
 use crate::relax::balance::Configuration;
 use crate::relax::linear::Inner;
-use crate::relax::{Status, Workspace};
+use crate::relax::{Status, Workspace, rattlers};
 use crate::state::State;
 use crate::wall::Bounds;
 
@@ -12,6 +12,8 @@ use crate::wall::Bounds;
 const FIRST_SHIFT: f64 = 0.02;
 /// Shifted steps in a row after which the configuration counts as unstable.
 const MOST_SHIFTED: u32 = 20;
+/// Steps between two looks for grains that nothing holds.
+const PATIENCE: u32 = 20;
 /// Shifts tried in one step.
 const MOST_SHIFTS: u32 = 60;
 /// Most that one linear solve may take.
@@ -55,6 +57,10 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
         if !model.has_gravity() && mean_force < work.negligible_force {
             return Solved { residual: 0.0, ..end(Status::Unjammed) };
         }
+        let patient = iterations > 0 && iterations % PATIENCE == 0;
+        if patient && model.has_gravity() && rest_is_loose(model, state, work, tolerance) {
+            return end(Status::Converged);
+        }
         if residual <= tolerance {
             // A state reached by a shifted step may still be a saddle: look once more.
             if !shifted || extra == EXTRA_STEPS {
@@ -74,6 +80,9 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
         }
         in_a_row = if shifted { in_a_row + 1 } else { 0 };
         if in_a_row > MOST_SHIFTED {
+            if model.has_gravity() && rest_is_loose(model, state, work, tolerance) {
+                return end(Status::Converged);
+            }
             return Solved { iterations, ..end(Status::Unstable) };
         }
     }
@@ -83,6 +92,39 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
 fn residual(model: &Model, largest: f64, mean_force: f64) -> f64 {
     let weight = model.weight.iter().map(Vec3::norm).fold(0.0, f64::max);
     largest / mean_force.max(weight).max(f64::MIN_POSITIVE)
+}
+
+/// Under gravity: whether all that keeps the balance from its tolerance is grains that nothing
+/// holds. Those are taken out of the balance, to roll or fall on their own until they are caught,
+/// or to float where their weight is negligible among the contact forces.
+fn rest_is_loose(model: &Model, state: &mut State, work: &mut Workspace, tolerance: f64) -> bool {
+    let Workspace { neighbours, balance, support, .. } = work;
+    support.clear();
+    support.resize(model.len(), 0);
+    for i in 0..model.len() {
+        let first = neighbours.row(i).start;
+        let row = &balance.links[first..first + balance.links_in_row[i] as usize];
+        support[i] += row.len() as u32;
+        for link in row {
+            support[link.second as usize] += 1;
+        }
+        support[i] += balance.wall_stiffness[i].iter().filter(|&&k| k > 0.0).count() as u32;
+    }
+    let needed = model.contacts_to_carry();
+    let mean_force = balance.sums.mean_force();
+    let unbalanced =
+        |i: usize| self::residual(model, balance.gradient[i].norm(), mean_force) > tolerance;
+    let loose = |i: usize| {
+        let light = !rattlers::weighs(model, i, mean_force);
+        support[i] < needed || light && balance.gradient[i].norm() <= 2.0 * model.weight[i].norm()
+    };
+    let rest = (0..model.len()).filter(|&i| unbalanced(i)).all(loose);
+    if rest {
+        for i in (0..model.len()).filter(|&i| unbalanced(i)) {
+            state.carries[i] = false;
+        }
+    }
+    rest
 }
 
 /// Takes one accepted step; says whether it was shifted, `None` when no step descends.

@@ -21,6 +21,16 @@ const STEPS: u32 = 60;
 /// times the mean force.
 const OPEN: f64 = 0.1;
 
+/// A grain whose weight is below this share of the mean contact force floats where nothing holds
+/// it, as it would without gravity.
+const LIGHT: f64 = 1e-4;
+
+/// Whether the weight of grain `i` matters among contact forces of `mean_force` \[N\].
+#[must_use]
+pub fn weighs(model: &Model, i: usize, mean_force: f64) -> bool {
+    model.weight.get(i).is_some_and(|weight| weight.norm() > LIGHT * mean_force)
+}
+
 /// Scratch of this module.
 #[derive(Clone, Debug, Default)]
 pub struct Rattlers {
@@ -151,7 +161,8 @@ pub fn settle(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
             if state.carries[i] {
                 continue;
             }
-            let site = Site { model, neighbours, rattlers, bounds: &bounds, grain: i };
+            let falls = weighs(model, i, mean);
+            let site = Site { model, neighbours, rattlers, bounds: &bounds, grain: i, falls };
             match site.settle(&mut state.position, open) {
                 Settled::Free => {}
                 // Grains that keep pushing each other about are left to the balance.
@@ -185,6 +196,8 @@ struct Site<'a> {
     rattlers: &'a Rattlers,
     bounds: &'a Bounds,
     grain: usize,
+    /// Whether its weight matters.
+    falls: bool,
 }
 
 /// Energy of one grain with its derivatives.
@@ -204,7 +217,7 @@ impl Site<'_> {
         let mut local = self.local(position, &at);
         let mut moved = false;
         for _ in 0..STEPS {
-            if !self.model.has_gravity() && local.force <= open {
+            if !self.falls && local.force <= open {
                 position[self.grain] = at;
                 return if moved { Settled::Moved } else { Settled::Free };
             }
@@ -254,7 +267,8 @@ impl Site<'_> {
                 local.push(self.neighbours.wall_modulus[self.grain], overlap, normal, 0.0);
             }
         }
-        if let Some(weight) = self.model.weight.get(self.grain) {
+        if self.falls {
+            let weight = &self.model.weight[self.grain];
             local.gradient -= weight;
             local.energy -= weight.dot(&(at - Vec3::from(self.bounds.center())));
         }
@@ -279,11 +293,13 @@ impl Local {
     /// contact at once, because P ~ h^1.5.
     fn step(&self, longest: f64) -> Vec3 {
         let eigen = self.hessian.symmetric_eigen();
-        let floor = 1e-3 * eigen.eigenvalues.amax();
+        // Where nothing touches, the gradient alone sets the length.
+        let least = self.gradient.norm() / longest;
+        let floor = (1e-3 * eigen.eigenvalues.amax()).max(least).max(f64::MIN_POSITIVE);
         let step: Vec3 = (0..3)
             .map(|k| {
                 let axis = eigen.eigenvectors.column(k).into_owned();
-                let curvature = eigen.eigenvalues[k].abs().max(floor).max(f64::MIN_POSITIVE);
+                let curvature = eigen.eigenvalues[k].abs().max(floor);
                 axis * (-1.5 * axis.dot(&self.gradient) / curvature)
             })
             .sum();
