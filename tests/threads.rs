@@ -21,7 +21,7 @@ const PATH: [[f64; 3]; 4] =
 fn made_by(threads: usize, grains: usize) -> Pack {
     let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let material = Material { spread: 0.1, ..GLASS };
-    let recipe = recipe(grains, 2e6, 42);
+    let recipe = recipe(grains, 10e6, 42);
     pool.install(|| generate(&recipe, &material, &Walls::default(), 0.0, Solver::default()))
         .unwrap()
 }
