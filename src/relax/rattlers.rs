@@ -17,6 +17,11 @@ const FAINT: f64 = 1e-4;
 const SWEEPS: u32 = 60;
 /// Steps of one grain in one sweep.
 const STEPS: u32 = 60;
+/// Sweeps in which grains fall under their weight.
+const MOST_FALLS: u32 = 10_000;
+/// A grain without a contact stops after this share of its longest step, 0.1 R, so that it does
+/// not fall past what its neighbour list knows.
+const FALL: f64 = 0.5;
 /// A contact of a floating grain is open when its force is below this share of the tolerance
 /// times the mean force.
 const OPEN: f64 = 0.1;
@@ -139,7 +144,9 @@ pub fn settle(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
     let Workspace { neighbours, rattlers, .. } = work;
     let mut joined = false;
     let mut listed = None;
-    for sweep in 0..=SWEEPS {
+    let mut sweep = 0;
+    let mut falls = 0;
+    while sweep <= SWEEPS && falls <= MOST_FALLS {
         neighbours.refresh(model, &state.position, &bounds);
         if listed != Some(neighbours.rebuilds) {
             let carries = &state.carries;
@@ -147,6 +154,7 @@ pub fn settle(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
             listed = Some(neighbours.rebuilds);
         }
         let mut quiet = true;
+        let mut falling = false;
         for i in 0..model.len() {
             if state.carries[i] {
                 continue;
@@ -154,16 +162,20 @@ pub fn settle(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
             let site = Site { model, neighbours, rattlers, bounds: &bounds, grain: i };
             match site.settle(&mut state.position, open) {
                 Settled::Free => {}
+                Settled::Falling if falls < MOST_FALLS => falling = true,
                 // Grains that keep pushing each other about are left to the balance.
                 Settled::Moved if sweep < SWEEPS => quiet = false,
-                Settled::Moved | Settled::Caught => {
+                Settled::Falling | Settled::Moved | Settled::Caught => {
                     state.carries[i] = true;
                     joined = true;
                 }
             }
         }
-        if quiet {
-            break;
+        // A fall takes as many sweeps as it is deep; they do not count.
+        match falling {
+            true => falls += 1,
+            false if quiet => break,
+            false => sweep += 1,
         }
     }
     joined
@@ -172,6 +184,8 @@ pub fn settle(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
 enum Settled {
     /// It touches nothing that pushes it.
     Free,
+    /// It touches nothing and falls; the neighbour list may end where it is now.
+    Falling,
     /// It was moved until nothing pushed it.
     Moved,
     /// Its contacts push it from all sides.
@@ -200,7 +214,8 @@ impl Site<'_> {
     /// Descends until no contact pushes with more than `open` or the grain is caught.
     fn settle(&self, position: &mut [Vec3], open: f64) -> Settled {
         let longest = 0.1 * self.model.radius[self.grain];
-        let mut at = position[self.grain];
+        let from = position[self.grain];
+        let mut at = from;
         let mut local = self.local(position, &at);
         let mut moved = false;
         for _ in 0..STEPS {
@@ -211,6 +226,11 @@ impl Site<'_> {
             if local.force > 0.0 && local.gradient.norm() <= 1e-3 * local.force {
                 position[self.grain] = at;
                 return Settled::Caught;
+            }
+            if self.model.has_gravity() && local.force == 0.0 && (at - from).norm() > FALL * longest
+            {
+                position[self.grain] = at;
+                return Settled::Falling;
             }
             let mut step = local.step(longest);
             let mut accepted = false;
@@ -279,7 +299,9 @@ impl Local {
     /// contact at once, because P ~ h^1.5.
     fn step(&self, longest: f64) -> Vec3 {
         let eigen = self.hessian.symmetric_eigen();
-        let floor = 1e-3 * eigen.eigenvalues.amax();
+        // In free fall nothing curves: the step must be long, but its square finite.
+        let floor =
+            f64::max(1e-3 * eigen.eigenvalues.amax(), 1e-6 * self.gradient.norm() / longest);
         let step: Vec3 = (0..3)
             .map(|k| {
                 let axis = eigen.eigenvectors.column(k).into_owned();
