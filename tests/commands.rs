@@ -1,6 +1,7 @@
 //! What becomes of a command, through `Twin::apply`: every row of interfaces.md, "What becomes of
 //! a command". Whatever is refused leaves the specimen as it was, bit for bit.
 #![allow(clippy::unwrap_used, reason = "a test that fails may panic")]
+#![allow(clippy::needless_range_loop, reason = "walls and axes index several arrays alike")]
 
 #[path = "common/packs.rs"]
 mod packs;

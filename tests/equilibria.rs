@@ -2,6 +2,7 @@
 //! increment's answer does not depend on how it was found. Bounds follow from the residual that
 //! the twin reports.
 #![allow(clippy::unwrap_used, reason = "a test that fails may panic")]
+#![allow(clippy::needless_range_loop, reason = "walls and axes index several arrays alike")]
 
 #[path = "common/packs.rs"]
 mod packs;

@@ -57,9 +57,9 @@ fn the_pack_is_found_in_equilibrium_with_the_forces_of_the_independent_code() {
         close(wall::NAMES[w], measures.walls.normal_force[w], want[w], 1e-9);
     }
     let stress = [9_992_403.215_224_333, 10_009_418.407_896_858, 9_997_399.026_716_134];
-    for axis in 0..3 {
-        close("stress", state.stress_walls[4 * axis], stress[axis], 1e-9);
-        close("stress", state.stress_contacts[4 * axis], stress[axis], 1e-9);
+    for (axis, want) in stress.into_iter().enumerate() {
+        close("stress", state.stress_walls[4 * axis], want, 1e-9);
+        close("stress", state.stress_contacts[4 * axis], want, 1e-9);
     }
     // 8171 contacts between beads and 895 with walls.
     assert_eq!(state.rattlers, 61);
