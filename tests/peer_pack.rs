@@ -2,6 +2,7 @@
 //! forces and counts, and those of ten uniaxial increments, come from an independent code (Python
 //! with numba and scipy's sparse LU, residual 3e-12; see `tests/data/README.md`).
 #![allow(clippy::unwrap_used, reason = "a test that fails may panic")]
+#![allow(clippy::needless_range_loop, reason = "walls and axes index several arrays alike")]
 
 #[path = "common/packs.rs"]
 mod packs;
