@@ -17,6 +17,11 @@ const FAINT: f64 = 1e-4;
 const SWEEPS: u32 = 60;
 /// Steps of one grain in one sweep.
 const STEPS: u32 = 60;
+/// Sweeps in which grains fall under their weight.
+const MOST_FALLS: u32 = 10_000;
+/// A grain without a contact stops after this share of its longest step, 0.1 R, so that it does
+/// not fall past what its neighbour list knows.
+const FALL: f64 = 0.5;
 /// A contact of a floating grain is open when its force is below this share of the tolerance
 /// times the mean force.
 const OPEN: f64 = 0.1;
@@ -149,7 +154,9 @@ pub fn settle(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
     let Workspace { neighbours, rattlers, .. } = work;
     let mut joined = false;
     let mut listed = None;
-    for sweep in 0..=SWEEPS {
+    let mut sweep = 0;
+    let mut falls = 0;
+    while sweep <= SWEEPS && falls <= MOST_FALLS {
         neighbours.refresh(model, &state.position, &bounds);
         if listed != Some(neighbours.rebuilds) {
             let carries = &state.carries;
@@ -157,24 +164,29 @@ pub fn settle(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
             listed = Some(neighbours.rebuilds);
         }
         let mut quiet = true;
+        let mut falling = false;
         for i in 0..model.len() {
             if state.carries[i] {
                 continue;
             }
-            let falls = weighs(model, i, mean);
-            let site = Site { model, neighbours, rattlers, bounds: &bounds, grain: i, falls };
+            let heavy = weighs(model, i, mean);
+            let site = Site { model, neighbours, rattlers, bounds: &bounds, grain: i, heavy };
             match site.settle(&mut state.position, open) {
                 Settled::Free => {}
+                Settled::Falling if falls < MOST_FALLS => falling = true,
                 // Grains that keep pushing each other about are left to the balance.
                 Settled::Moved if sweep < SWEEPS => quiet = false,
-                Settled::Moved | Settled::Caught => {
+                Settled::Falling | Settled::Moved | Settled::Caught => {
                     state.carries[i] = true;
                     joined = true;
                 }
             }
         }
-        if quiet {
-            break;
+        // A fall takes as many sweeps as it is deep; they do not count.
+        match falling {
+            true => falls += 1,
+            false if quiet => break,
+            false => sweep += 1,
         }
     }
     joined
@@ -183,6 +195,8 @@ pub fn settle(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
 enum Settled {
     /// It touches nothing that pushes it.
     Free,
+    /// It touches nothing and falls; the neighbour list may end where it is now.
+    Falling,
     /// It was moved until nothing pushed it.
     Moved,
     /// Its contacts push it from all sides.
@@ -197,7 +211,7 @@ struct Site<'a> {
     bounds: &'a Bounds,
     grain: usize,
     /// Whether its weight matters.
-    falls: bool,
+    heavy: bool,
 }
 
 /// Energy of one grain with its derivatives.
@@ -213,17 +227,22 @@ impl Site<'_> {
     /// Descends until no contact pushes with more than `open` or the grain is caught.
     fn settle(&self, position: &mut [Vec3], open: f64) -> Settled {
         let longest = 0.1 * self.model.radius[self.grain];
-        let mut at = position[self.grain];
+        let from = position[self.grain];
+        let mut at = from;
         let mut local = self.local(position, &at);
         let mut moved = false;
         for _ in 0..STEPS {
-            if !self.falls && local.force <= open {
+            if !self.heavy && local.force <= open {
                 position[self.grain] = at;
                 return if moved { Settled::Moved } else { Settled::Free };
             }
             if local.force > 0.0 && local.gradient.norm() <= 1e-3 * local.force {
                 position[self.grain] = at;
                 return Settled::Caught;
+            }
+            if self.heavy && local.force == 0.0 && (at - from).norm() > FALL * longest {
+                position[self.grain] = at;
+                return Settled::Falling;
             }
             let mut step = local.step(longest);
             let mut accepted = false;
@@ -267,7 +286,7 @@ impl Site<'_> {
                 local.push(self.neighbours.wall_modulus[self.grain], overlap, normal, 0.0);
             }
         }
-        if self.falls {
+        if self.heavy {
             let weight = &self.model.weight[self.grain];
             local.gradient -= weight;
             local.energy -= weight.dot(&(at - Vec3::from(self.bounds.center())));

@@ -1,0 +1,114 @@
+//! The bits of an answer depend neither on the number of threads nor on the time of day: the same
+//! positions, wall forces, contacts and reports at 1, 2 and 7 threads and on repetition.
+#![allow(clippy::unwrap_used, reason = "a test that fails may panic")]
+
+#[path = "common/packs.rs"]
+mod packs;
+
+use graintwin::pack::Pack;
+use graintwin::pack::generate::generate;
+use graintwin::report::{Demand, Report};
+use graintwin::scene::{Material, Solver, Walls};
+use graintwin::twin::Twin;
+use packs::{GLASS, absolute, bits, by_strain, recipe, scene};
+use rayon::ThreadPoolBuilder;
+
+/// Load, unload and shear.
+const PATH: [[f64; 3]; 4] =
+    [[0.0, 0.0, 2e-4], [1e-4, 1e-4, 2e-4], [1e-4, -1e-4, 3e-4], [0.0, 0.0, 1e-4]];
+
+/// A pack of grains that all differ, made by `threads` threads.
+fn made_by(threads: usize, grains: usize) -> Pack {
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    let material = Material { spread: 0.1, ..GLASS };
+    let recipe = recipe(grains, 10e6, 42);
+    pool.install(|| generate(&recipe, &material, &Walls::default(), 0.0, Solver::default()))
+        .unwrap()
+}
+
+/// Everything that a report says, floats by their bits.
+fn said(report: &Report) -> String {
+    let measures = report.measures.as_ref().unwrap();
+    let network = measures.network.as_ref().unwrap();
+    let walls = &measures.walls;
+    let floats = (walls.normal_force.iter())
+        .chain(walls.displacement.iter())
+        .chain(walls.position.iter())
+        .chain(walls.force.iter().flatten())
+        .chain(walls.moment.iter().flatten())
+        .chain(&network.normal)
+        .chain(&network.normal_force)
+        .chain(&network.overlap);
+    let bits: Vec<u64> = floats.map(|value| value.to_bits()).collect();
+    // `{:?}` of a float is its shortest form that reads back to the same bits.
+    format!(
+        "{:?} {} {} {} {:?} {:?} {:?} {:?} {bits:?}",
+        report.disposition,
+        report.increment,
+        report.substeps,
+        report.text,
+        measures.state,
+        measures.moduli,
+        network.first,
+        network.second,
+    )
+}
+
+/// All that a twin says on the way, and the pack that it ends with.
+fn run(threads: usize, pack: &Pack, path: &[[f64; 3]]) -> (Vec<String>, Vec<u64>) {
+    let mut twin = Twin::new(&scene(), pack, threads).unwrap();
+    let mut reports = vec![said(&twin.start(Demand::ALL))];
+    for (sequence, strain) in (1..).zip(path) {
+        let command = absolute(sequence, by_strain(&pack.bounds, *strain));
+        reports.push(said(&twin.apply(&command, Demand::ALL)));
+    }
+    (reports, bits(&twin.pack()))
+}
+
+#[test]
+fn three_hundred_grains_give_the_same_bits_at_any_number_of_threads() {
+    let pack = made_by(1, 306);
+    let want = run(1, &pack, &PATH);
+    // It is no trivial path: the walls moved and the grains with them.
+    assert_ne!(want.1, bits(&pack));
+    assert_eq!(want.0.len(), 1 + PATH.len());
+    for threads in [1, 2, 7] {
+        assert!(bits(&made_by(threads, 306)) == bits(&pack), "made by {threads} threads");
+        assert!(run(threads, &pack, &PATH) == want, "{threads} threads");
+    }
+}
+
+#[test]
+fn three_thousand_grains_give_the_same_bits_at_any_number_of_threads() {
+    let pack = made_by(1, 2740);
+    for threads in [2, 7] {
+        assert!(bits(&made_by(threads, 2740)) == bits(&pack), "made by {threads} threads");
+    }
+    let want = run(1, &pack, &PATH[..2]);
+    for threads in [2, 7] {
+        assert!(run(threads, &pack, &PATH[..2]) == want, "{threads} threads");
+    }
+}
+
+#[test]
+fn twins_on_different_threads_agree_after_every_command_whatever_the_others_do() {
+    // The twins take turns in a changing order, one of them asked for less than the others.
+    let pack = made_by(2, 306);
+    let counts = [1, 2, 7, 3];
+    let mut twins = counts.map(|threads| Twin::new(&scene(), &pack, threads).unwrap());
+    let demand = |k: usize| Demand { contact_network: k != 3, moduli: k != 3, state: k != 3 };
+    for (k, twin) in twins.iter_mut().enumerate() {
+        twin.start(demand(k));
+    }
+    for (round, strain) in PATH.into_iter().enumerate() {
+        let command = absolute(round as u64 + 1, by_strain(&pack.bounds, strain));
+        let mut answers = vec![None; counts.len()];
+        for turn in 0..counts.len() {
+            let k = (3 * turn + round) % counts.len();
+            let report = twins[k].apply(&command, demand(k));
+            answers[k] = Some(report.measures.unwrap().walls.normal_force.map(f64::to_bits));
+        }
+        assert!(answers.iter().all(|answer| *answer == answers[0]), "command {round}");
+        assert!(twins.iter().all(|twin| bits(&twin.pack()) == bits(&twins[0].pack())));
+    }
+}
