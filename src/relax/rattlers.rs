@@ -19,8 +19,8 @@ const SWEEPS: u32 = 60;
 const STEPS: u32 = 60;
 /// Sweeps in which grains fall under their weight.
 const MOST_FALLS: u32 = 10_000;
-/// A grain without a contact stops after this share of its longest step, 0.1 R, so that it does
-/// not fall past what its neighbour list knows.
+/// A grain that falls or slides down stops after this share of its longest step, 0.1 R, so that it
+/// does not go past what its neighbour list knows.
 const FALL: f64 = 0.5;
 /// A contact of a floating grain is open when its force is below this share of the tolerance
 /// times the mean force.
@@ -195,7 +195,7 @@ pub fn settle(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
 enum Settled {
     /// It touches nothing that pushes it.
     Free,
-    /// It touches nothing and falls; the neighbour list may end where it is now.
+    /// It falls or slides down; the neighbour list may end where it is now.
     Falling,
     /// It was moved until nothing pushed it.
     Moved,
@@ -240,7 +240,7 @@ impl Site<'_> {
                 position[self.grain] = at;
                 return Settled::Caught;
             }
-            if self.heavy && local.force == 0.0 && (at - from).norm() > FALL * longest {
+            if self.heavy && (at - from).norm() > FALL * longest {
                 position[self.grain] = at;
                 return Settled::Falling;
             }
