@@ -69,6 +69,7 @@ pub(super) fn run(args: &Args, cli: &Cli, bars: &MultiProgress) -> Result<Outcom
     let mut twin = Twin::new(&loaded.scene, &pack, cli.threads())?;
     let mut summary = Summary::new(&loaded, &pack);
     let stop = stop::on_signal()?;
+    tracing::info!("{} commands for {} grains", commands.len(), pack.grains.len());
     #[cfg(feature = "mcap")]
     let mut recording = start_recording(args, &loaded, &pack, cli.threads())?;
 
