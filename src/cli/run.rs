@@ -29,7 +29,7 @@ use super::{Cli, Failure, Outcome, output, serve, specimen, stop};
 /// rig inside the program publishes them there. At the end a summary goes to stdout.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = "Example:\n  \
-    graintwin run launch_configs/rig_log.yaml --ros --record runs/rig_log\n\n\
+    graintwin run launch_configs/rig_log.yaml --ros --record bags/rig_log\n\n\
     A command CSV has the header stamp,x_min,x_max,y_min,y_max,z_min,z_max: the time in s and the \
     inward displacement of each wall since the start of the run in m. A column left out leaves its \
     wall where it is; # starts a comment.")]
