@@ -175,7 +175,12 @@ fn newton(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
         iterations += solved.iterations;
         let (residual, sums) = (solved.residual, work.balance.sums);
         let outcome = |status| Outcome { status, residual, iterations, sums, descents: 0 };
-        if !solved.status.is_equilibrium() || !rattlers::settle(model, state, work) {
+        if !solved.status.is_equilibrium() {
+            return outcome(solved.status);
+        }
+        let joined = rattlers::settle(model, state, work);
+        // Grains that were released leave a residual behind that is no longer that of the rest.
+        if !joined && residual <= model.solver.tolerance {
             return outcome(solved.status);
         }
         if round == ROUNDS {

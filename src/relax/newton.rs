@@ -58,7 +58,7 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
             return Solved { residual: 0.0, ..end(Status::Unjammed) };
         }
         let patient = iterations > 0 && iterations % PATIENCE == 0;
-        if patient && model.has_gravity() && rest_is_loose(model, state, work, tolerance) {
+        if patient && model.has_gravity() && rattlers::release(model, state, work) {
             return end(Status::Converged);
         }
         if residual <= tolerance {
@@ -80,7 +80,7 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
         }
         in_a_row = if shifted { in_a_row + 1 } else { 0 };
         if in_a_row > MOST_SHIFTED {
-            if model.has_gravity() && rest_is_loose(model, state, work, tolerance) {
+            if model.has_gravity() && rattlers::release(model, state, work) {
                 return end(Status::Converged);
             }
             return Solved { iterations, ..end(Status::Unstable) };
@@ -89,42 +89,9 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
 }
 
 /// Largest unbalanced force over the mean contact force; weights count where nothing touches.
-fn residual(model: &Model, largest: f64, mean_force: f64) -> f64 {
+pub(super) fn residual(model: &Model, largest: f64, mean_force: f64) -> f64 {
     let weight = model.weight.iter().map(Vec3::norm).fold(0.0, f64::max);
     largest / mean_force.max(weight).max(f64::MIN_POSITIVE)
-}
-
-/// Under gravity: whether all that keeps the balance from its tolerance is grains that nothing
-/// holds. Those are taken out of the balance, to roll or fall on their own until they are caught,
-/// or to float where their weight is negligible among the contact forces.
-fn rest_is_loose(model: &Model, state: &mut State, work: &mut Workspace, tolerance: f64) -> bool {
-    let Workspace { neighbours, balance, support, .. } = work;
-    support.clear();
-    support.resize(model.len(), 0);
-    for i in 0..model.len() {
-        let first = neighbours.row(i).start;
-        let row = &balance.links[first..first + balance.links_in_row[i] as usize];
-        support[i] += row.len() as u32;
-        for link in row {
-            support[link.second as usize] += 1;
-        }
-        support[i] += balance.wall_stiffness[i].iter().filter(|&&k| k > 0.0).count() as u32;
-    }
-    let needed = model.contacts_to_carry();
-    let mean_force = balance.sums.mean_force();
-    let unbalanced =
-        |i: usize| self::residual(model, balance.gradient[i].norm(), mean_force) > tolerance;
-    let loose = |i: usize| {
-        let light = !rattlers::weighs(model, i, mean_force);
-        support[i] < needed || light && balance.gradient[i].norm() <= 2.0 * model.weight[i].norm()
-    };
-    let rest = (0..model.len()).filter(|&i| unbalanced(i)).all(loose);
-    if rest {
-        for i in (0..model.len()).filter(|&i| unbalanced(i)) {
-            state.carries[i] = false;
-        }
-    }
-    rest
 }
 
 /// Takes one accepted step; says whether it was shifted, `None` when no step descends.

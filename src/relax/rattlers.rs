@@ -1,27 +1,22 @@
 //! Rattlers: grains with too few contacts to carry load. They are left out of the balance, moved
 //! out of the way of those that carry, and taken in again where they turn out to be caught.
 
-use nalgebra::Matrix3;
+mod site;
 
 use crate::Vec3;
-use crate::contact::hertz;
 use crate::contact::neighbours::{Neighbours, wall_gap};
 use crate::model::Model;
-use crate::relax::Workspace;
+use crate::relax::{Workspace, newton};
 use crate::state::State;
-use crate::wall::{self, Bounds};
+use crate::wall::Bounds;
+use site::{Settled, Site};
 
 /// Contacts with an overlap below this share of the mean do not count as support.
 const FAINT: f64 = 1e-4;
 /// Sweeps over the floating grains.
 const SWEEPS: u32 = 60;
-/// Steps of one grain in one sweep.
-const STEPS: u32 = 60;
 /// Sweeps in which grains fall under their weight.
 const MOST_FALLS: u32 = 10_000;
-/// A grain that falls or slides down stops after this share of its longest step, 0.1 R, so that it
-/// does not go past what its neighbour list knows.
-const FALL: f64 = 0.5;
 /// A contact of a floating grain is open when its force is below this share of the tolerance
 /// times the mean force.
 const OPEN: f64 = 0.1;
@@ -192,137 +187,36 @@ pub fn settle(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
     joined
 }
 
-enum Settled {
-    /// It touches nothing that pushes it.
-    Free,
-    /// It falls or slides down; the neighbour list may end where it is now.
-    Falling,
-    /// It was moved until nothing pushed it.
-    Moved,
-    /// Its contacts push it from all sides.
-    Caught,
-}
-
-/// One floating grain among its neighbours, which stay where they are.
-struct Site<'a> {
-    model: &'a Model,
-    neighbours: &'a Neighbours,
-    rattlers: &'a Rattlers,
-    bounds: &'a Bounds,
-    grain: usize,
-    /// Whether its weight matters.
-    heavy: bool,
-}
-
-/// Energy of one grain with its derivatives.
-struct Local {
-    energy: f64,
-    gradient: Vec3,
-    hessian: Matrix3<f64>,
-    /// Largest contact force \[N\].
-    force: f64,
-}
-
-impl Site<'_> {
-    /// Descends until no contact pushes with more than `open` or the grain is caught.
-    fn settle(&self, position: &mut [Vec3], open: f64) -> Settled {
-        let longest = 0.1 * self.model.radius[self.grain];
-        let from = position[self.grain];
-        let mut at = from;
-        let mut local = self.local(position, &at);
-        let mut moved = false;
-        for _ in 0..STEPS {
-            if !self.heavy && local.force <= open {
-                position[self.grain] = at;
-                return if moved { Settled::Moved } else { Settled::Free };
-            }
-            if local.force > 0.0 && local.gradient.norm() <= 1e-3 * local.force {
-                position[self.grain] = at;
-                return Settled::Caught;
-            }
-            if self.heavy && (at - from).norm() > FALL * longest {
-                position[self.grain] = at;
-                return Settled::Falling;
-            }
-            let mut step = local.step(longest);
-            let mut accepted = false;
-            for _ in 0..20 {
-                let next = self.local(position, &(at + step));
-                if next.energy < local.energy {
-                    at += step;
-                    local = next;
-                    accepted = true;
-                    moved = true;
-                    break;
-                }
-                step *= 0.5;
-            }
-            if !accepted {
-                break;
-            }
+/// Under gravity: whether all that keeps the balance from its tolerance is grains that nothing
+/// holds. Those are taken out of the balance, to roll or fall on their own until they are caught,
+/// or to float where their weight is negligible among the contact forces.
+pub fn release(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
+    let tolerance = model.solver.tolerance;
+    let Workspace { neighbours, balance, support, .. } = work;
+    support.clear();
+    support.resize(model.len(), 0);
+    for i in 0..model.len() {
+        let first = neighbours.row(i).start;
+        let row = &balance.links[first..first + balance.links_in_row[i] as usize];
+        support[i] += row.len() as u32;
+        for link in row {
+            support[link.second as usize] += 1;
         }
-        position[self.grain] = at;
-        if local.force > open { Settled::Caught } else { Settled::Moved }
+        support[i] += balance.wall_stiffness[i].iter().filter(|&&k| k > 0.0).count() as u32;
     }
-
-    fn local(&self, position: &[Vec3], at: &Vec3) -> Local {
-        let radius = self.model.radius[self.grain];
-        let mut local =
-            Local { energy: 0.0, gradient: Vec3::zeros(), hessian: Matrix3::zeros(), force: 0.0 };
-        for &(j, modulus) in self.rattlers.row(self.grain) {
-            let branch = at - position[j as usize];
-            let distance = branch.norm();
-            let overlap = radius + self.model.radius[j as usize] - distance;
-            if overlap > 0.0 && distance > 0.0 {
-                local.push(modulus, overlap, branch / distance, 1.0 / distance);
-            }
+    let needed = model.contacts_to_carry();
+    let mean_force = balance.sums.mean_force();
+    let unbalanced =
+        |i: usize| newton::residual(model, balance.gradient[i].norm(), mean_force) > tolerance;
+    let loose = |i: usize| {
+        let light = !weighs(model, i, mean_force);
+        support[i] < needed || light && balance.gradient[i].norm() <= 2.0 * model.weight[i].norm()
+    };
+    let rest = (0..model.len()).filter(|&i| unbalanced(i)).all(loose);
+    if rest {
+        for i in (0..model.len()).filter(|&i| unbalanced(i)) {
+            state.carries[i] = false;
         }
-        for &wall in self.neighbours.walls_near(self.grain) {
-            let wall = usize::from(wall);
-            let overlap = radius - wall_gap(at, wall, self.bounds);
-            if overlap > 0.0 {
-                let mut normal = Vec3::zeros();
-                normal[wall::axis(wall)] = wall::inward(wall);
-                local.push(self.neighbours.wall_modulus[self.grain], overlap, normal, 0.0);
-            }
-        }
-        if self.heavy {
-            let weight = &self.model.weight[self.grain];
-            local.gradient -= weight;
-            local.energy -= weight.dot(&(at - Vec3::from(self.bounds.center())));
-        }
-        local
     }
-}
-
-impl Local {
-    /// Adds one contact with normal `normal` towards the grain and curvature 1/r of the pair.
-    fn push(&mut self, modulus: f64, overlap: f64, normal: Vec3, curvature: f64) {
-        let force = hertz::force(modulus, overlap);
-        let bending = force * curvature;
-        self.energy += hertz::energy(force, overlap);
-        self.gradient -= normal * force;
-        self.force = self.force.max(force);
-        self.hessian +=
-            normal * normal.transpose() * (hertz::stiffness(modulus, overlap) + bending)
-                - Matrix3::identity() * bending;
-    }
-
-    /// A step downhill, no longer than `longest`. One and a half Newton steps open a Hertz
-    /// contact at once, because P ~ h^1.5.
-    fn step(&self, longest: f64) -> Vec3 {
-        let eigen = self.hessian.symmetric_eigen();
-        // Where nothing touches, the gradient alone sets the length.
-        let least = self.gradient.norm() / longest;
-        let floor = (1e-3 * eigen.eigenvalues.amax()).max(least).max(f64::MIN_POSITIVE);
-        let step: Vec3 = (0..3)
-            .map(|k| {
-                let axis = eigen.eigenvectors.column(k).into_owned();
-                let curvature = eigen.eigenvalues[k].abs().max(floor);
-                axis * (-1.5 * axis.dot(&self.gradient) / curvature)
-            })
-            .sum();
-        let length = step.norm();
-        if length > longest { step * (longest / length) } else { step }
-    }
+    rest
 }
