@@ -6,6 +6,8 @@ mod failure;
 mod generate;
 mod log;
 pub(crate) mod output;
+#[cfg(feature = "mcap")]
+mod plot;
 mod progress;
 #[cfg(feature = "mcap")]
 mod recording;
@@ -67,6 +69,8 @@ enum Verb {
     Run(run::Args),
     Generate(generate::Args),
     Check(check::Args),
+    #[cfg(feature = "mcap")]
+    Plot(plot::Args),
     Completions(completions::Args),
 }
 
@@ -94,6 +98,8 @@ pub(crate) fn run(cli: &Cli) -> Result<Outcome, Failure> {
         Verb::Run(args) => run::run(args, cli, &bars),
         Verb::Generate(args) => generate::run(args, cli, &bars),
         Verb::Check(args) => check::run(args, cli),
+        #[cfg(feature = "mcap")]
+        Verb::Plot(args) => plot::run(args),
         Verb::Completions(args) => completions::run(args),
     }
 }

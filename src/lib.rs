@@ -65,6 +65,7 @@ pub mod sink;
 pub mod state;
 pub mod table;
 pub mod twin;
+pub mod view;
 pub mod wall;
 
 /// A vector in space.

@@ -15,6 +15,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use crate::msg::MessageType;
 use items::{Item, Items};
 
 pub use commands::Commands;
@@ -33,6 +34,20 @@ pub struct Channel {
     pub encoding: String,
     /// Text of the type's definition.
     pub definition: String,
+}
+
+impl Channel {
+    /// Whether its messages are called `kind`.
+    #[must_use]
+    pub fn has_type(&self, kind: &MessageType) -> bool {
+        self.kind.split_once("/msg/") == Some((kind.package, kind.name))
+    }
+
+    /// Whether its definition has the fields of `kind`.
+    #[must_use]
+    pub fn has_fields(&self, kind: &'static MessageType) -> bool {
+        commands::same_fields(&self.definition, &kind.definition())
+    }
 }
 
 /// One message of a bag.

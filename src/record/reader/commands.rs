@@ -87,7 +87,7 @@ impl Iterator for Commands<'_> {
 
 /// Whether two definitions are the same but for comments, constants, blanks and the texts of the
 /// standard types they are made of.
-fn same_fields(one: &str, other: &str) -> bool {
+pub(super) fn same_fields(one: &str, other: &str) -> bool {
     fields(one).eq(fields(other))
 }
 

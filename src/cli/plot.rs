@@ -1,0 +1,89 @@
+//! `graintwin plot`
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::anyhow;
+
+use graintwin::record::reader::Bag;
+use graintwin::view::{self, History};
+
+use super::{Failure, Outcome, output};
+
+/// Draws a recording: stresses, wall forces, moduli, coordination, energy, solver effort and the
+/// distribution of contact forces, as SVG.
+///
+/// Writes overview.svg with the four most telling charts, and stress_strain, wall_forces, moduli,
+/// coordination, energy, effort and forces, and prints the names of the files. What the recording
+/// does not hold is left out. A damaged recording is drawn as far as it can be read, and the exit
+/// code is 3.
+#[derive(Debug, clap::Args)]
+#[command(after_long_help = "Example:\n  graintwin plot bags/rig_log --out plots/rig_log")]
+pub(super) struct Args {
+    /// A bag: its folder, or .mcap.
+    bag: PathBuf,
+
+    /// Folder for the charts; files of their names are replaced [default: `plots` beside the
+    /// .mcap file].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
+    let bag = Bag::open(&args.bag).map_err(Failure::input)?;
+    let history = History::read(&bag).map_err(Failure::input)?;
+    let outcome = tell_losses(&history);
+    let title = history.scene.clone().unwrap_or_else(|| stem(&args.bag));
+    let sheets = view::sheets(&history, &title);
+    if sheets.is_empty() {
+        return Err(Failure::Input(nothing(&args.bag, &history)));
+    }
+    let folder = args.out.clone().unwrap_or_else(|| beside(&args.bag));
+    fs::create_dir_all(&folder).map_err(|error| unwritable(&folder, &error))?;
+    for (name, sheet) in sheets {
+        let file = folder.join(name).with_extension("svg");
+        fs::write(&file, sheet.to_svg()).map_err(|error| unwritable(&file, &error))?;
+        output::print(&format!("{}\n", file.display()))?;
+    }
+    Ok(outcome)
+}
+
+fn tell_losses(history: &History) -> Outcome {
+    for topic in &history.passed_over {
+        tracing::warn!("passed over {topic}");
+    }
+    if let Some(damage) = &history.damage {
+        tracing::error!("{damage}");
+    }
+    if history.unreadable > 0 {
+        tracing::error!("{} messages are not what their topic says", history.unreadable);
+    }
+    match history.damage.is_none() && history.unreadable == 0 {
+        true => Outcome::Done,
+        false => Outcome::Incomplete,
+    }
+}
+
+fn nothing(bag: &Path, history: &History) -> anyhow::Error {
+    let what = if history.is_empty() { "holds no" } else { "holds no finite value in its" };
+    anyhow!(
+        "{} {what} graintwin_msgs/msg/PackState, WallForces, Moduli or ContactNetwork: there is \
+         nothing to draw",
+        bag.display()
+    )
+}
+
+/// The name of the bag, for one that does not say its scene.
+fn stem(bag: &Path) -> String {
+    let name = bag.file_stem().unwrap_or(bag.as_os_str());
+    name.to_string_lossy().into_owned()
+}
+
+fn beside(bag: &Path) -> PathBuf {
+    let folder = if bag.is_dir() { Some(bag) } else { bag.parent() };
+    folder.unwrap_or(Path::new("")).join("plots")
+}
+
+fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
+    Failure::Other(anyhow!("cannot write {}: {error}", path.display()))
+}

@@ -1,0 +1,30 @@
+//! Charts of a recording, written as SVG.
+//!
+//! [`Chart`] holds what is to be seen, [`Sheet`] lays charts out on a white card and writes them.
+//! What cannot be drawn (NaN, infinity, zero on a logarithmic axis) breaks a line; a series
+//! without a single point is left out, and the chart says so.
+
+mod chart;
+mod draw;
+#[cfg(feature = "mcap")]
+mod forces;
+#[cfg(feature = "mcap")]
+mod history;
+mod layout;
+#[cfg(feature = "mcap")]
+mod panels;
+mod scale;
+mod sheet;
+mod svg;
+mod ticks;
+mod unit;
+
+pub use chart::{Chart, Series, Stroke};
+#[cfg(feature = "mcap")]
+pub use history::{Forces, History};
+#[cfg(feature = "mcap")]
+pub use panels::sheets;
+pub use scale::{Axis, Kind};
+pub use sheet::Sheet;
+pub use ticks::Ticks;
+pub use unit::Unit;

@@ -1,0 +1,96 @@
+//! What is to be seen in a chart.
+
+use super::scale::Axis;
+
+/// A chart: lines over two axes.
+#[derive(Clone, Debug)]
+pub struct Chart {
+    /// What it shows, in a few words.
+    pub title: String,
+    /// The axis to the right.
+    pub x: Axis,
+    /// The axis upwards.
+    pub y: Axis,
+    /// The lines; later ones are drawn over earlier ones.
+    pub series: Vec<Series>,
+    /// Sentences below it.
+    pub notes: Vec<String>,
+}
+
+/// A line of a chart.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// Its name in the legend.
+    pub name: String,
+    /// Places in the units of the axes; what has none breaks the line.
+    pub points: Vec<[f64; 2]>,
+    /// How it is drawn.
+    pub stroke: Stroke,
+}
+
+/// How a line is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stroke {
+    /// A colour as SVG has it.
+    pub color: &'static str,
+    /// Width \[pixels\].
+    pub width: f64,
+}
+
+impl Stroke {
+    /// Colours that the colour-blind tell apart (Okabe and Ito 2008), on white.
+    const COLORS: [&'static str; 6] =
+        ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
+
+    /// The stroke of the `number`th line of a chart.
+    #[must_use]
+    pub const fn of(number: usize) -> Self {
+        Self { color: Self::COLORS[number % Self::COLORS.len()], width: 1.8 }
+    }
+}
+
+impl Series {
+    /// A line in the colour of its `number` in the chart.
+    pub fn new(number: usize, name: &str, points: impl IntoIterator<Item = [f64; 2]>) -> Self {
+        let points = points.into_iter().collect();
+        Self { name: name.into(), points, stroke: Stroke::of(number) }
+    }
+}
+
+impl Chart {
+    /// Whether anything can be drawn.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        !self.series.iter().any(|series| self.has_points(series))
+    }
+
+    /// The series that can be drawn, at least in part.
+    pub(super) fn shown(&self) -> impl Iterator<Item = &Series> {
+        self.series.iter().filter(|series| self.has_points(series))
+    }
+
+    /// The unbroken pieces of a series.
+    pub(super) fn pieces<'a>(&'a self, series: &'a Series) -> impl Iterator<Item = &'a [[f64; 2]]> {
+        let pieces = series.points.split(|point| !self.takes(*point));
+        pieces.filter(|piece| !piece.is_empty())
+    }
+
+    /// The notes, and which series are left out.
+    pub(super) fn all_notes(&self) -> Vec<String> {
+        let missing = self.series.iter().filter(|series| !self.has_points(series));
+        let missing: Vec<&str> = missing.map(|series| series.name.as_str()).collect();
+        let mut notes = self.notes.clone();
+        if !missing.is_empty() {
+            notes.push(format!("No values: {}.", missing.join(", ")));
+        }
+        notes
+    }
+
+    fn has_points(&self, series: &Series) -> bool {
+        series.points.iter().any(|point| self.takes(*point))
+    }
+
+    fn takes(&self, [x, y]: [f64; 2]) -> bool {
+        self.x.takes(x) && self.y.takes(y)
+    }
+}

@@ -1,0 +1,146 @@
+//! A chart as SVG elements.
+
+use super::chart::{Chart, Series};
+use super::layout::{LABEL, NOTE, rows, width, wrapped};
+use super::scale::{Kind, Scale};
+use super::svg::{Anchor, Svg};
+
+/// Height of a row of the legend, and of a line of notes \[pixels\].
+const ROW: f64 = 18.0;
+
+/// Length of a line in the legend \[pixels\].
+const SAMPLE: f64 = 20.0;
+
+/// Points of a line that are marked one by one, at most.
+const MOST_DOTS: usize = 60;
+
+/// Where the lines are drawn.
+struct Frame {
+    left: f64,
+    right: f64,
+    top: f64,
+    bottom: f64,
+    x: Scale,
+    y: Scale,
+}
+
+impl Frame {
+    fn place(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [self.across(self.x.place(x)), self.up(self.y.place(y))]
+    }
+
+    fn across(&self, share: f64) -> f64 {
+        self.left + share * (self.right - self.left)
+    }
+
+    fn up(&self, share: f64) -> f64 {
+        self.bottom - share * (self.bottom - self.top)
+    }
+}
+
+/// Draws `chart` into the rectangle at `at`.
+pub(super) fn draw(svg: &mut Svg, chart: &Chart, at: [f64; 2], size: [f64; 2]) {
+    svg.begin("chart");
+    let room = size[0] - 2.0 * LABEL;
+    let left = at[0] + LABEL;
+    svg.text("title", [left, at[1] + 18.0], Anchor::Start, &chart.title);
+    let legend = legend(svg, chart, [left, at[1] + 36.0], room);
+    let notes: Vec<String> =
+        chart.all_notes().iter().flat_map(|note| wrapped(note, NOTE, room)).collect();
+    let foot = at[1] + size[1] - ROW * notes.len() as f64;
+    for (line, note) in notes.iter().enumerate() {
+        svg.text("note", [left, foot + ROW * line as f64 + 10.0], Anchor::Start, note);
+    }
+    match frame(chart, [at[0], legend + 8.0], [at[0] + size[0], foot]) {
+        Some(frame) => {
+            axes(svg, &frame, chart);
+            chart.shown().for_each(|series| line(svg, &frame, chart, series));
+        }
+        None => {
+            let middle = [at[0] + 0.5 * size[0], 0.5 * (legend + foot)];
+            svg.text("label", middle, Anchor::Middle, "no values");
+        }
+    }
+    svg.end();
+}
+
+/// Draws the legend when there is more than one line; returns where it ends.
+fn legend(svg: &mut Svg, chart: &Chart, [left, top]: [f64; 2], room: f64) -> f64 {
+    let shown: Vec<&Series> = chart.shown().collect();
+    if shown.is_empty() {
+        return top;
+    }
+    let widths: Vec<f64> =
+        shown.iter().map(|series| SAMPLE + 6.0 + width(&series.name, LABEL)).collect();
+    let mut end = top;
+    for (series, (row, offset)) in shown.iter().zip(rows(&widths, 14.0, room)) {
+        let at = [left + offset, top + ROW * row as f64];
+        svg.begin_sample(series.stroke.color, series.stroke.width);
+        svg.polyline(&[[at[0], at[1] - 4.0], [at[0] + SAMPLE, at[1] - 4.0]]);
+        svg.end();
+        svg.text("label", [at[0] + SAMPLE + 6.0, at[1]], Anchor::Start, &series.name);
+        end = at[1];
+    }
+    end
+}
+
+/// Fits both axes between the corners; `None` when there is no point.
+fn frame(chart: &Chart, [left, top]: [f64; 2], [right, bottom]: [f64; 2]) -> Option<Frame> {
+    let coordinate = |which: usize| {
+        let points = chart.shown().flat_map(|series| chart.pieces(series)).flatten();
+        points.map(move |point| point[which])
+    };
+    let y = Scale::fit(&chart.y, coordinate(1), 5)?;
+    let x = Scale::fit(&chart.x, coordinate(0), 6)?;
+    let widest = y.ticks.labels.iter().map(|label| width(label, LABEL)).fold(0.0, f64::max);
+    Some(Frame {
+        left: left + widest + 40.0,
+        right: right - 22.0,
+        top: top + 6.0,
+        bottom: bottom - 46.0,
+        x,
+        y,
+    })
+}
+
+fn axes(svg: &mut Svg, frame: &Frame, chart: &Chart) {
+    for (value, label) in frame.y.ticks.values.iter().zip(&frame.y.ticks.labels) {
+        let y = frame.up(frame.y.place_of_tick(*value));
+        svg.line("grid", [frame.left, y], [frame.right, y]);
+        svg.text("label", [frame.left - 7.0, y + 4.0], Anchor::End, label);
+    }
+    for (value, label) in frame.x.ticks.values.iter().zip(&frame.x.ticks.labels) {
+        let x = frame.across(frame.x.place_of_tick(*value));
+        svg.line("grid", [x, frame.top], [x, frame.bottom]);
+        svg.text("label", [x, frame.bottom + 17.0], Anchor::Middle, label);
+    }
+    let corner = [frame.left, frame.bottom];
+    svg.line("axis", corner, [frame.right, frame.bottom]);
+    svg.line("axis", corner, [frame.left, frame.top]);
+    let below_zero = frame.y.ticks.range().0 < 0.0;
+    if chart.y.kind != Kind::Log && below_zero && frame.y.ticks.values.contains(&0.0) {
+        let zero = frame.up(frame.y.place_of_tick(0.0));
+        svg.line("zero", [frame.left, zero], [frame.right, zero]);
+    }
+    let middle = [0.5 * (frame.left + frame.right), 0.5 * (frame.top + frame.bottom)];
+    svg.text("label", [middle[0], frame.bottom + 37.0], Anchor::Middle, &frame.x.title);
+    let widest = frame.y.ticks.labels.iter().map(|label| width(label, LABEL)).fold(0.0, f64::max);
+    svg.upward_text("label", [frame.left - widest - 18.0, middle[1]], &frame.y.title);
+}
+
+fn line(svg: &mut Svg, frame: &Frame, chart: &Chart, series: &Series) {
+    let stroke = series.stroke;
+    svg.begin_series(&series.name, stroke.color, stroke.width);
+    let few = series.points.len() <= MOST_DOTS;
+    for piece in chart.pieces(series) {
+        let places: Vec<[f64; 2]> = piece.iter().map(|point| frame.place(*point)).collect();
+        if places.len() > 1 {
+            svg.polyline(&places);
+        }
+        // A point between two gaps would not be seen as a line.
+        if few || places.len() == 1 {
+            places.iter().for_each(|place| svg.dot(*place, stroke.width + 0.6));
+        }
+    }
+    svg.end();
+}

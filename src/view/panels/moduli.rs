@@ -1,0 +1,92 @@
+//! The elastic moduli of the intervals.
+
+use std::collections::BTreeMap;
+
+use super::strain::Strain;
+use crate::msg;
+use crate::view::chart::{Chart, Series};
+use crate::view::history::History;
+use crate::view::scale::Axis;
+use crate::view::unit::Unit;
+
+type Value = fn(&msg::Moduli) -> f64;
+
+const MODULI: [(&str, Value); 5] = [
+    ("bulk K", |moduli| moduli.bulk),
+    ("shear G", |moduli| moduli.shear),
+    ("Young's E", |moduli| moduli.young),
+    ("Lamé's λ", |moduli| moduli.lame),
+    ("P-wave M", |moduli| moduli.p_wave),
+];
+
+/// The confining stress is the better abscissa once it changes by this share.
+const TELLING: f64 = 0.2;
+
+/// What the moduli depend on most.
+struct Abscissa<'a> {
+    strain: &'a Strain,
+    stress: Option<BTreeMap<u64, f64>>,
+}
+
+impl<'a> Abscissa<'a> {
+    fn of(history: &History, strain: &'a Strain) -> Self {
+        let known = history.states.iter().map(|state| (state.increment, state.confining_stress));
+        let known: BTreeMap<u64, f64> = known.collect();
+        let finite = || known.values().copied().filter(|stress| stress.is_finite());
+        let low = finite().fold(f64::INFINITY, f64::min);
+        let high = finite().fold(f64::NEG_INFINITY, f64::max);
+        let stress = (high - low > TELLING * high.abs()).then_some(known);
+        Self { strain, stress }
+    }
+
+    fn axis(&self) -> Axis {
+        match self.stress {
+            Some(_) => Axis::linear("confining stress", Unit::Si("Pa")),
+            None => self.strain.axis(),
+        }
+    }
+
+    fn name(&self) -> &'static str {
+        if self.stress.is_some() { "confining stress" } else { self.strain.name() }
+    }
+
+    fn at(&self, increment: u64) -> f64 {
+        match &self.stress {
+            Some(stress) => stress.get(&increment).copied().unwrap_or(f64::NAN),
+            None => self.strain.at(increment),
+        }
+    }
+
+    fn series(&self, number: usize, name: &str, history: &History, value: Value) -> Series {
+        // At the start there was no interval yet.
+        let later = history.moduli.iter().filter(|moduli| moduli.increment > 0);
+        Series::new(number, name, later.map(|moduli| [self.at(moduli.increment), value(moduli)]))
+    }
+}
+
+/// Those that have the unit of a stress.
+pub(super) fn moduli(history: &History, strain: &Strain) -> Chart {
+    let abscissa = Abscissa::of(history, strain);
+    let line = |(number, (name, value)): (usize, &(&str, Value))| {
+        abscissa.series(number, name, history, *value)
+    };
+    Chart {
+        title: format!("Moduli against {}", abscissa.name()),
+        x: abscissa.axis(),
+        y: Axis::linear("secant modulus", Unit::Si("Pa")),
+        series: MODULI.iter().enumerate().map(line).collect(),
+        notes: vec!["Secant over each increment, shown at its end.".into()],
+    }
+}
+
+/// Poisson's ratio.
+pub(super) fn poisson(history: &History, strain: &Strain) -> Chart {
+    let abscissa = Abscissa::of(history, strain);
+    Chart {
+        title: format!("Poisson's ratio against {}", abscissa.name()),
+        x: abscissa.axis(),
+        y: Axis::linear("Poisson's ratio", Unit::None),
+        series: vec![abscissa.series(3, "Poisson's ratio", history, |moduli| moduli.poisson)],
+        notes: Vec::new(),
+    }
+}

@@ -1,0 +1,40 @@
+//! What the equilibria cost, and how good they are.
+
+use crate::msg::PackState;
+use crate::view::chart::{Chart, Series};
+use crate::view::history::History;
+use crate::view::scale::Axis;
+
+/// Newton iterations of each increment.
+pub(super) fn iterations(history: &History) -> Chart {
+    let point = |state: &PackState| [state.increment as f64, f64::from(state.iterations)];
+    let total: u64 = history.states.iter().map(|state| u64::from(state.iterations)).sum();
+    Chart {
+        title: "Solver effort".into(),
+        x: Axis::count("increment"),
+        y: Axis::count("iterations"),
+        series: vec![Series::new(0, "iterations", history.states.iter().map(point))],
+        notes: vec![format!("{total} iterations in all, sub-steps included.")],
+    }
+}
+
+/// Residual of each equilibrium.
+pub(super) fn residual(history: &History) -> Chart {
+    let point = |state: &PackState| [state.increment as f64, state.residual];
+    let loose = history.states.iter().filter(|state| !state.converged).count();
+    let zero = history.states.iter().filter(|state| state.residual == 0.0).count();
+    let mut notes = Vec::new();
+    if loose > 0 {
+        notes.push(format!("Not converged: {loose} of {}.", history.states.len()));
+    }
+    if zero > 0 {
+        notes.push(format!("Exactly zero, and not on this axis: {zero}."));
+    }
+    Chart {
+        title: "Residual of the equilibria".into(),
+        x: Axis::count("increment"),
+        y: Axis::log("relative residual"),
+        series: vec![Series::new(1, "residual", history.states.iter().map(point))],
+        notes,
+    }
+}

@@ -1,0 +1,51 @@
+//! What goes to the right: axial strain, or the increment where there is no such strain.
+
+use std::collections::BTreeMap;
+
+use crate::view::history::History;
+use crate::view::scale::Axis;
+use crate::view::unit::Unit;
+
+/// The scene's axis.
+const AXIAL: usize = 2;
+
+/// Strains that differ less are none.
+const LEAST: f64 = 1e-12;
+
+/// The axial strain of each increment.
+pub(super) struct Strain {
+    by_increment: BTreeMap<u64, f64>,
+    varies: bool,
+}
+
+impl Strain {
+    pub(super) fn of(history: &History) -> Self {
+        let known = history.states.iter().map(|state| (state.increment, state.strain[AXIAL]));
+        let by_increment: BTreeMap<u64, f64> = known.collect();
+        let finite = || by_increment.values().copied().filter(|strain| strain.is_finite());
+        let low = finite().fold(f64::INFINITY, f64::min);
+        let high = finite().fold(f64::NEG_INFINITY, f64::max);
+        let varies = high - low > LEAST;
+        Self { by_increment, varies }
+    }
+
+    pub(super) fn axis(&self) -> Axis {
+        match self.varies {
+            true => Axis::linear("axial strain", Unit::Strain),
+            false => Axis::count("increment"),
+        }
+    }
+
+    /// What the title of a chart says after "against".
+    pub(super) fn name(&self) -> &'static str {
+        if self.varies { "axial strain" } else { "increment" }
+    }
+
+    /// The place of an increment; NaN when its strain is not known.
+    pub(super) fn at(&self, increment: u64) -> f64 {
+        match self.varies {
+            true => self.by_increment.get(&increment).copied().unwrap_or(f64::NAN),
+            false => increment as f64,
+        }
+    }
+}
