@@ -1,0 +1,87 @@
+//! `graintwin plot`: what is drawn of a recording, at the boundary of the process.
+#![cfg(feature = "mcap")]
+#![allow(clippy::unwrap_used, reason = "a test that fails may panic")]
+
+#[path = "common/answers.rs"]
+mod answers;
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use graintwin::record::Recorder;
+use graintwin::scene::Record;
+use graintwin::sink::Sink;
+
+use answers::{answers, provenance};
+
+/// A recording of the initial equilibrium and 14 commands, every fifth of them refused.
+fn record(folder: &Path) {
+    let mut recorder = Recorder::create(folder, &Record::default(), &provenance()).unwrap();
+    for answer in &answers(14, 40) {
+        recorder.served(answer);
+    }
+    recorder.finish().unwrap();
+}
+
+/// Exit code, stdout and stderr of `graintwin plot`.
+fn plot(arguments: &[&Path]) -> (i32, String, String) {
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_graintwin")).arg("plot").args(arguments).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
+}
+
+#[test]
+fn every_sheet_is_well_formed_and_named_after_the_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let bag = folder.path().join("bag");
+    record(&bag);
+    let (code, stdout, stderr) = plot(&[&bag]);
+    assert_eq!(code, 0, "{stderr}");
+    assert!(stdout.lines().count() >= 6, "{stdout}");
+    for file in stdout.lines() {
+        let text = fs::read_to_string(file).unwrap();
+        let svg = roxmltree::Document::parse(&text).unwrap_or_else(|e| panic!("{file}: {e}"));
+        assert_eq!(svg.root_element().tag_name().name(), "svg", "{file}");
+        assert!(text.contains("Probe 7 µm"), "{file} does not name the scene");
+    }
+}
+
+#[test]
+fn a_curve_has_a_point_for_each_increment() {
+    let folder = tempfile::tempdir().unwrap();
+    let bag = folder.path().join("bag");
+    record(&bag);
+    let (code, _, stderr) = plot(&[&bag]);
+    assert_eq!(code, 0, "{stderr}");
+    let text = fs::read_to_string(bag.join("plots/wall_forces.svg")).unwrap();
+    let svg = roxmltree::Document::parse(&text).unwrap();
+    let points: Vec<usize> = svg
+        .descendants()
+        .filter_map(|node| node.attribute("points"))
+        .map(|points| points.split_whitespace().count())
+        .filter(|&count| count > 2) // a stroke of the legend has two
+        .collect();
+    // Increment 0 and the twelve of 14 commands that were served; six walls.
+    assert_eq!(points, [13; 6]);
+}
+
+#[test]
+fn exit_2_where_there_is_no_bag_and_3_for_a_damaged_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let (code, _, stderr) = plot(&[folder.path()]);
+    assert_eq!(code, 2);
+    assert!(stderr.contains("holds no .mcap file"), "{stderr}");
+
+    let bag = folder.path().join("bag");
+    record(&bag);
+    let file = bag.join("bag_0.mcap");
+    let bytes = fs::read(&file).unwrap();
+    let cut = folder.path().join("cut.mcap");
+    fs::write(&cut, &bytes[..bytes.len() - bytes.len() / 4]).unwrap();
+    let out = folder.path().join("out");
+    let (code, stdout, stderr) = plot(&[&cut, Path::new("--out"), &out]);
+    assert_eq!(code, 3, "{stderr}");
+    assert!(stdout.contains("overview.svg") && stderr.contains("cut.mcap"), "{stdout}{stderr}");
+}
