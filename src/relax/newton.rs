@@ -11,7 +11,7 @@ use crate::wall::Bounds;
 /// First shift of a grain, and the one below which it is dropped, over the sum of P/r of a grain.
 const FIRST_SHIFT: f64 = 0.02;
 /// Shifted steps in a row after which the configuration counts as unstable.
-const MOST_SHIFTED: u32 = 20;
+const MOST_SHIFTED: u32 = 40;
 /// Steps between two looks for grains that nothing holds.
 const PATIENCE: u32 = 20;
 /// Shifts tried in one step.
