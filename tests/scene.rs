@@ -1,5 +1,5 @@
 //! Scenes: what is read, what is refused and in which words.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a test that fails may panic")]
 
 use std::fs;
 use std::path::Path;

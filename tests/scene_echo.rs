@@ -1,5 +1,5 @@
 //! A scene written with all its defaults reads back as the same scene.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a test that fails may panic")]
 
 use std::collections::BTreeMap;
 use std::path::Path;
