@@ -33,7 +33,7 @@
 //! let scene = graintwin::scene::parse("pack: {file: none.csv}", "example.yaml".as_ref())?;
 //! let grain = Grain { position: [0.0; 3], radius: 1e-3, young: 70e9, poisson: 0.2, density: 2.5e3, friction: 0.0 };
 //! let bounds = Bounds { min: [-1e-3; 3], max: [1e-3; 3] };
-//! let mut twin = Twin::new(&scene, &Pack { bounds, grains: vec![grain] }, 1)?;
+//! let mut twin = Twin::new(&scene, &Pack { bounds, grains: vec![grain], history: None }, 1)?;
 //! twin.start(Demand::ALL);
 //! let session = String::from("example");
 //! let displacement = [0.0, 0.0, 0.0, 0.0, 1e-6, 1e-6]; // z_min and z_max, inwards [m]

@@ -1,9 +1,9 @@
 //! What stays constant after loading: grains, walls, laws and settings, in the solver's own order.
 
 use crate::Vec3;
-use crate::contact::hertz;
+use crate::contact::{hertz, mindlin};
 use crate::pack::{Grain, Pack};
-use crate::scene::{Scene, Solver, Walls};
+use crate::scene::{self, Coulomb, Law, Scene, Solver, Update, Walls};
 use crate::wall::Bounds;
 
 /// Streams into which the grains are cut, then dealt one after the other.
@@ -37,16 +37,71 @@ pub struct Model {
     pub reference: Bounds,
     /// Settings of the relaxation.
     pub solver: Solver,
+    /// Friction; `None` when no contact can carry shear, and then no rotation is solved for.
+    pub friction: Option<Friction>,
+}
+
+/// Constants of the frictional laws. Arrays have one entry a grain, in the solver's order.
+#[derive(Clone, Debug)]
+pub struct Friction {
+    /// How the tangential force follows the tangential displacement.
+    pub law: Law,
+    /// Which normal force limits it.
+    pub update: Update,
+    /// Whether contacts resist torsion.
+    pub torsion: bool,
+    /// Coefficient μ of each grain; of two grains the smaller one counts.
+    pub coefficient: Vec<f64>,
+    /// Coefficient between grains and walls.
+    pub wall_coefficient: f64,
+    /// (2-ν)/G of each grain \[1/Pa\] (T 3.5a).
+    pub shear_compliance: Vec<f64>,
+    /// (2-ν)/G of the walls \[1/Pa\].
+    pub wall_shear_compliance: f64,
+    /// 1/G of each grain \[1/Pa\] (T 3.9a).
+    pub torsion_compliance: Vec<f64>,
+    /// 1/G of the walls \[1/Pa\].
+    pub wall_torsion_compliance: f64,
+}
+
+impl Friction {
+    /// Of `grains` and `walls`; `None` when no coefficient is above zero.
+    #[must_use]
+    pub fn new(grains: &[Grain], walls: &Walls, coulomb: &Coulomb, torsion: bool) -> Option<Self> {
+        let wall_coefficient = walls.friction.unwrap_or(coulomb.coefficient);
+        if wall_coefficient == 0.0 && grains.iter().all(|grain| grain.friction == 0.0) {
+            return None;
+        }
+        let shear = |young: f64, poisson: f64| mindlin::shear_compliance(young, poisson);
+        let torsional = |young: f64, poisson: f64| mindlin::torsion_compliance(young, poisson);
+        Some(Self {
+            law: coulomb.law,
+            update: coulomb.update,
+            torsion,
+            coefficient: grains.iter().map(|g| g.friction).collect(),
+            wall_coefficient,
+            shear_compliance: grains.iter().map(|g| shear(g.young, g.poisson)).collect(),
+            wall_shear_compliance: shear(walls.young, walls.poisson),
+            torsion_compliance: grains.iter().map(|g| torsional(g.young, g.poisson)).collect(),
+            wall_torsion_compliance: torsional(walls.young, walls.poisson),
+        })
+    }
 }
 
 impl Model {
     /// The model of `pack` under the walls, gravity and solver of `scene`.
     #[must_use]
     pub fn new(pack: &Pack, scene: &Scene) -> Self {
-        Self::with(pack, &scene.walls, scene.gravity, scene.solver, scene.reference)
+        let mut model =
+            Self::with(pack, &scene.walls, scene.gravity, scene.solver, scene.reference);
+        if let scene::Friction::Coulomb(coulomb) = &scene.contact.friction {
+            let torsion = scene.contact.torsion;
+            model.friction = Friction::new(&model.grains, &scene.walls, coulomb, torsion);
+        }
+        model
     }
 
-    /// As [`Model::new`], from the parts of a scene.
+    /// A frictionless model, from the parts of a scene.
     #[must_use]
     pub fn with(
         pack: &Pack,
@@ -75,6 +130,7 @@ impl Model {
             start: pack.bounds,
             reference: reference.unwrap_or(pack.bounds),
             solver,
+            friction: None,
             grains,
         }
     }

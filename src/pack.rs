@@ -5,6 +5,7 @@ mod coincident;
 mod csv;
 mod error;
 pub mod generate;
+mod history;
 pub mod properties;
 
 use std::path::{Path, PathBuf};
@@ -14,6 +15,7 @@ use crate::wall::Bounds;
 pub use build::build;
 pub use csv::{Columns, Constants, PackFile, PackRow, box_json, read, save, to_csv};
 pub use error::PackError;
+pub use history::{ContactMemory, History, Layer};
 
 /// One grain's constants and position.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +41,8 @@ pub struct Pack {
     pub bounds: Bounds,
     /// The grains, in the order of the pack file.
     pub grains: Vec<Grain>,
+    /// What frictional contacts remember; `None` when no friction ever acted.
+    pub history: Option<History>,
 }
 
 impl Pack {
@@ -52,7 +56,7 @@ impl Pack {
             })
         };
         let grains = self.grains.iter().filter(inside).copied().collect();
-        Self { bounds: *bounds, grains }
+        Self { bounds: *bounds, grains, history: None }
     }
 }
 

@@ -28,7 +28,7 @@ use serde::{Deserialize, Serialize};
 use crate::wall::Bounds;
 
 use check::{Field, Problems};
-pub use contact::{Contact, Friction, Normal};
+pub use contact::{Contact, Coulomb, Friction, Law, Normal, Update};
 pub use error::{Problem, SceneError};
 pub use load::{Loaded, load, parse};
 pub use load_path::{
@@ -122,6 +122,7 @@ impl Scene {
         }
         self.walls.check(&at.key("walls"), problems);
         self.pack.check(&at.key("pack"), &self.materials, problems);
+        self.contact.check(&at.key("contact"), problems);
         problems.finite(&at.key("gravity"), &self.gravity);
         if let Some(reference) = &self.reference {
             problems.bounds(&at.key("reference"), reference);

@@ -271,7 +271,7 @@ impl Twin {
             let position = self.state.position[k].into();
             grains[order as usize] = Grain { position, ..self.model.grains[k] };
         }
-        Pack { bounds: self.state.bounds(&self.model), grains }
+        Pack { bounds: self.state.bounds(&self.model), grains, history: None }
     }
 }
 

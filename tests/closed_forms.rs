@@ -72,7 +72,7 @@ fn block(n: [usize; 3], short: [f64; 3]) -> Pack {
             }
         }
     }
-    Pack { bounds: centered(sides), grains }
+    Pack { bounds: centered(sides), grains, history: None }
 }
 
 /// Wall forces of a block: a wall carries the rows that end at it.
@@ -99,7 +99,8 @@ fn a_sphere_between_two_walls_alone_follows_hertz() {
     for share in [1e-3, 1e-2, 0.1] {
         let sides = [4.0 * R, 4.0 * R, (2.0 - share) * R];
         let grains = vec![bead([0.0, 0.0, 1e-4 * R], R)];
-        let (_, report) = Rig::start(&exact(5e-4), &Pack { bounds: centered(sides), grains });
+        let (_, report) =
+            Rig::start(&exact(5e-4), &Pack { bounds: centered(sides), grains, history: None });
         let found = forces(&report.measures.unwrap());
         let want = wall_force(0.5 * share * R);
         assert_eq!(found[..4], [0.0; 4]);
@@ -172,7 +173,7 @@ impl Pyramid {
         let corners = [[-a, -a, 0.0], [a, -a, 0.0], [-a, a, 0.0], [a, a, 0.0]];
         let top = [0.0, 0.0, self.edge / SQRT_2];
         let grains = corners.into_iter().chain([top]).map(|at| bead(at, R)).collect();
-        Pack { bounds: self.bounds, grains }
+        Pack { bounds: self.bounds, grains, history: None }
     }
 
     /// Holds the equilibrium found against the closed form.
@@ -278,7 +279,7 @@ fn under_gravity(tolerance: f64) -> Scene {
 fn a_sphere_rests_on_the_floor_with_its_weight() {
     for height in [0.01, 0.0099, 0.0115, 0.03, 0.05] {
         let bounds = Bounds { min: [-0.02, -0.02, 0.0], max: [0.02, 0.02, 0.06] };
-        let pack = Pack { bounds, grains: vec![ball(height)] };
+        let pack = Pack { bounds, grains: vec![ball(height)], history: None };
         let (rig, report) = Rig::start(&under_gravity(1e-13), &pack);
         let found = forces(&report.measures.unwrap());
         assert_eq!([&found[..4], &found[5..]].concat(), [0.0; 5]);
@@ -297,7 +298,7 @@ fn a_column_of_three_carries_one_two_and_three_weights() {
     let bounds =
         Bounds { min: [-0.5 * side, -0.5 * side, 0.0], max: [0.5 * side, 0.5 * side, 0.1] };
     let grains = vec![ball(0.0101), ball(0.085), ball(0.0399)];
-    let (_, report) = Rig::start(&under_gravity(1e-13), &Pack { bounds, grains });
+    let (_, report) = Rig::start(&under_gravity(1e-13), &Pack { bounds, grains, history: None });
     let measures = report.measures.unwrap();
     close("floor", forces(&measures)[4], 3.0 * BALL_WEIGHT, EXACT);
     assert_eq!(forces(&measures)[5], 0.0);

@@ -269,7 +269,7 @@ fn after_a_failure_the_answers_are_those_of_a_twin_that_never_failed() {
 #[test]
 fn one_grain_takes_commands() {
     let bounds = centered([2e-4 * 0.999; 3]);
-    let pack = Pack { bounds, grains: vec![bead([0.0; 3], 1e-4)] };
+    let pack = Pack { bounds, grains: vec![bead([0.0; 3], 1e-4)], history: None };
     let mut rig = Rig::start(&scene(), &pack).0;
     let measures = rig.go(by_strain(&bounds, [1e-3, 0.0, 0.0]));
     let found = measures.walls.normal_force;
@@ -280,7 +280,7 @@ fn one_grain_takes_commands() {
 #[test]
 fn a_pack_of_rattlers_is_unjammed_and_says_so() {
     let grains = [[-3e-4, 0.0, 0.0], [0.0; 3], [3e-4, 0.0, 0.0]].map(|at| bead(at, 1e-4));
-    let pack = Pack { bounds: centered([1e-3; 3]), grains: grains.to_vec() };
+    let pack = Pack { bounds: centered([1e-3; 3]), grains: grains.to_vec(), history: None };
     let (mut rig, report) = Rig::start(&scene(), &pack);
     assert_eq!(report.disposition, Disposition::Applied);
     assert!(report.text.contains("no grain carries load"), "{}", report.text);

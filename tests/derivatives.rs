@@ -198,7 +198,7 @@ fn approaching(gap: f64) -> (Model, Vec<Vec3>) {
     let high = radius + gap + radius + gap;
     let bounds = Bounds { min: [-1e-3; 3], max: [high, 1e-3, 1e-3] };
     let grains = at.map(|x| bead([x, 0.0, 0.0], radius)).to_vec();
-    let pack = Pack { bounds, grains };
+    let pack = Pack { bounds, grains, history: None };
     let model = Model::with(&pack, &Walls::default(), [0.0; 3], Solver::default(), None);
     let position = model.grains.iter().map(|g| Vec3::from(g.position)).collect();
     (model, position)

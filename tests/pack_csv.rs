@@ -82,7 +82,7 @@ proptest! {
         min in prop::array::uniform3(-2.0..-1.0),
         max in prop::array::uniform3(1.0..2.0),
     ) {
-        let pack = Pack { bounds: Bounds { min, max }, grains };
+        let pack = Pack { bounds: Bounds { min, max }, grains, history: None };
         let files = Files::new("", None);
         pack::save(&pack, &files.path("p.csv")).unwrap();
         prop_assert_eq!(bits(&files.build("").unwrap()), bits(&pack));
@@ -282,7 +282,7 @@ fn a_cut_does_not_change_what_the_grains_are_made_of() {
 
 #[test]
 fn a_pack_is_stored_under_a_csv_name_or_not_at_all() {
-    let pack = Pack { bounds: BOX, grains: Vec::new() };
+    let pack = Pack { bounds: BOX, grains: Vec::new(), history: None };
     let files = Files::new("", None);
     for name in ["p.json", "p", "p.yaml"] {
         let error = pack::save(&pack, &files.path(name)).unwrap_err();

@@ -4,7 +4,9 @@
 use std::fs;
 use std::path::Path;
 
-use graintwin::scene::{self, Discovery, Lateral, Scene, SceneError, Step, StrainUnit, When};
+use graintwin::scene::{
+    self, Discovery, Friction, Lateral, Scene, SceneError, Step, StrainUnit, When,
+};
 
 fn parse(text: &str) -> Result<Scene, SceneError> {
     scene::parse(text, Path::new("scene.yaml"))
@@ -43,19 +45,16 @@ record: {chunk: 4 MiB, compression: zstd}
 ";
 
 #[test]
-fn the_example_of_the_interface_loads_except_for_its_friction() {
-    let scene = parse(&EXAMPLE.replace("FRICTION", "none")).unwrap();
+fn the_example_of_the_interface_loads() {
+    let frictional = "{coefficient: 0.3, law: return_map, update: frozen}";
+    let scene = parse(&EXAMPLE.replace("FRICTION", frictional)).unwrap();
     assert_eq!(scene.name, "glass_beads_uniaxial");
     assert_eq!(scene.pack.generate.as_ref().unwrap().grains, 2740);
     assert_eq!(scene.record.chunk, 4 * 1024 * 1024);
     assert_eq!(scene.outputs.contact_network, When::OnDemand);
-
-    let frictional = "{coefficient: 0.3, law: return_map, update: frozen}";
-    assert_eq!(
-        refusal(&EXAMPLE.replace("FRICTION", frictional)),
-        "scene.yaml:12:13: contact.friction: this version has no friction between grains; \
-         allowed: none"
-    );
+    assert_eq!(scene.contact.friction.coefficient(), 0.3);
+    let smooth = parse(&EXAMPLE.replace("FRICTION", "none")).unwrap();
+    assert_eq!(smooth.contact.friction, Friction::None);
 }
 
 #[test]
@@ -231,7 +230,10 @@ fn values_out_of_range_are_named_with_line_column_field_and_what_is_allowed() {
         ("materials: {m: {young: 1, density: 1}}", "2:27: materials.m: missing field `poisson`"),
         ("walls: {young: -7e12}", "2:16: walls.young: -7000000000000.0 is outside young > 0 Pa"),
         ("walls: {poisson: 0.5}", "2:18: walls.poisson: 0.5 is outside -1 < nu < 0.5"),
-        ("walls: {friction: -0.1}", "2:19: walls.friction: -0.1 is outside friction >= 0"),
+        (
+            "walls: {friction: -0.1}",
+            "2:19: walls.friction: -0.1 is outside friction >= 0, .inf included",
+        ),
         ("dimension: 2", "2:12: dimension: 2; allowed: 3"),
         ("name: ''", "2:7: name: \"\" is no name"),
         (

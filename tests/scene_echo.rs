@@ -182,7 +182,7 @@ fn service() -> impl Strategy<Value = (Outputs, Node, Record)> {
 fn scene() -> impl Strategy<Value = Scene> {
     let materials = prop::collection::btree_map(word(), material(), 0..3);
     let walls = (positive(), -0.999..0.499, 0.0..10.0)
-        .prop_map(|(young, poisson, friction)| Walls { young, poisson, friction });
+        .prop_map(|(young, poisson, friction)| Walls { young, poisson, friction: Some(friction) });
     let laws = (walls, any::<bool>(), prop::array::uniform3(-1e3..1e3), option::of(bounds()));
     let path = prop::collection::vec(step(), 0..4);
     (word(), materials, laws, pack(), solver(), path, service()).prop_map(

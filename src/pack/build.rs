@@ -48,7 +48,7 @@ fn from_file(loaded: &Loaded, file: &Path) -> Result<Pack, PackError> {
     let mut rng = Pcg64::seed_from_u64(scene.pack.seed);
     let grain = |row: &PackRow| grain(&file, row, scene, &mut rng);
     let grains = file.rows.iter().map(grain).collect::<Result<_, _>>()?;
-    Ok(Pack { bounds, grains })
+    Ok(Pack { bounds, grains, history: None })
 }
 
 fn grain(

@@ -111,7 +111,7 @@ fn scatter(spec: &Generate, material: &Material, mut grains: Vec<Grain>, rng: &m
             (2.0 * rng.random::<f64>() - 1.0) * (half[axis] - grain.radius).max(0.0)
         });
     }
-    Pack { bounds: Bounds { min: half.map(|h| -h), max: half }, grains }
+    Pack { bounds: Bounds { min: half.map(|h| -h), max: half }, grains, history: None }
 }
 
 /// A pack between walls that move at will.
@@ -166,7 +166,7 @@ impl Press {
     /// Sorts the solver's order anew: the grains are no longer where they were scattered.
     fn resort(&mut self) {
         let bounds = self.state.bounds(&self.model);
-        let mut pack = Pack { bounds, grains: self.model.grains.clone() };
+        let mut pack = Pack { bounds, grains: self.model.grains.clone(), history: None };
         let before = std::mem::take(&mut self.model.order);
         for (grain, at) in pack.grains.iter_mut().zip(&self.state.position) {
             grain.position = (*at).into();
@@ -215,6 +215,6 @@ impl Press {
             let position = self.state.position[k].into();
             grains[place as usize] = Grain { position, ..self.model.grains[k] };
         }
-        Pack { bounds: self.state.bounds(&self.model), grains }
+        Pack { bounds: self.state.bounds(&self.model), grains, history: None }
     }
 }

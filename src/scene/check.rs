@@ -76,6 +76,13 @@ impl Problems {
         self.number(field, value, allowed, |value| value > 0.0);
     }
 
+    /// A number from 0 on; infinity is one of them.
+    pub(super) fn at_least_zero(&mut self, field: Field, value: f64, allowed: &str) {
+        if value.is_nan() || value < 0.0 {
+            self.add(field, format!("{value:?} is outside {allowed}"));
+        }
+    }
+
     /// A whole number between `low` and `high`.
     pub(super) fn count(&mut self, field: Field, value: u64, low: u64, high: u64) {
         if !(low..=high).contains(&value) {

@@ -19,8 +19,6 @@ struct Row {
 enum Value {
     /// These words, alone or as the key of a mapping.
     Words(&'static [&'static str]),
-    /// Every mapping.
-    Mapping,
     /// Whatever stands there.
     Any,
 }
@@ -30,11 +28,6 @@ const TABLE: &[Row] = &[
         keys: &["contact", "normal"],
         value: Value::Words(&["cement", "linear"]),
         text: "this version has no cemented and no linear contacts; allowed: hertz",
-    },
-    Row {
-        keys: &["contact", "friction"],
-        value: Value::Mapping,
-        text: "this version has no friction between grains; allowed: none",
     },
     Row {
         keys: &["rig_log", "lateral"],
@@ -101,7 +94,7 @@ fn ends_with(field: &Field, keys: &[&str]) -> bool {
 
 fn meant(value: &Value, found: &Tree) -> bool {
     match (value, found) {
-        (Value::Any, _) | (Value::Mapping, Tree::Map(_)) => true,
+        (Value::Any, _) => true,
         (Value::Words(words), Tree::Scalar(word)) => words.contains(&word.as_str()),
         (Value::Words(words), Tree::Map(entries)) => {
             entries.iter().any(|(key, _)| words.contains(&key.value.as_str()))

@@ -12,13 +12,15 @@ pub struct Walls {
     pub young: f64,
     /// Poisson's ratio, -1 < ν < 0.5.
     pub poisson: f64,
-    /// Coefficient of friction between grains and walls, at least 0.
-    pub friction: f64,
+    /// Coefficient of friction between grains and walls, 0 to infinite; without it that of
+    /// `contact.friction`. Without friction in `contact` the walls are smooth too.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction: Option<f64>,
 }
 
 impl Default for Walls {
     fn default() -> Self {
-        Self { young: 7.0e12, poisson: 0.495, friction: 0.3 }
+        Self { young: 7.0e12, poisson: 0.495, friction: None }
     }
 }
 
@@ -27,6 +29,8 @@ impl Walls {
         problems.positive(at.key("young"), self.young, "young > 0 Pa");
         problems
             .number(at.key("poisson"), self.poisson, "-1 < nu < 0.5", |nu| -1.0 < nu && nu < 0.5);
-        problems.number(at.key("friction"), self.friction, "friction >= 0", |mu| mu >= 0.0);
+        if let Some(friction) = self.friction {
+            problems.at_least_zero(at.key("friction"), friction, "friction >= 0, .inf included");
+        }
     }
 }

@@ -1,0 +1,39 @@
+//! What a specimen remembers of its loading besides where its grains are.
+
+/// Rotations and contact history of a pack, in the order of the pack file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct History {
+    /// Sum of the rotation increments of each grain \[rad\], shape (grains).
+    pub rotation: Vec<[f64; 3]>,
+    /// The load-carrying contacts, sorted by (first, second).
+    pub contacts: Vec<ContactMemory>,
+}
+
+/// What one contact remembers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactMemory {
+    /// Grain index.
+    pub first: u32,
+    /// Grain index above `first`, or `u32::MAX - w` for wall w.
+    pub second: u32,
+    /// Tangential force on `first` \[N\].
+    pub shear: [f64; 3],
+    /// Torsional couple on `first` about the normal from `second` to `first` \[N m\].
+    pub torsion: f64,
+    /// Whether the contact slides.
+    pub sliding: bool,
+    /// Layers of the law `mindlin_deresiewicz`, from the contact's centre outwards; empty for the
+    /// other laws.
+    pub layers: Vec<Layer>,
+}
+
+/// A ring of the contact in which the memory of slip is uniform.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layer {
+    /// Overlap at which the contact circle reaches the outer edge of the ring \[m\].
+    pub reach: f64,
+    /// Tangential over normal displacement increment when the ring came into contact or slipped,
+    /// in units of its limit: a vector in the contact plane, |D| <= 1. The force on `first` points
+    /// along it.
+    pub ratio: [f64; 3],
+}
