@@ -3,3 +3,4 @@
 pub mod hertz;
 pub mod mindlin;
 pub mod neighbours;
+pub mod partial_slip;
