@@ -88,7 +88,7 @@ pub struct Contact {
 /// A step on which overlap and displacement change in proportion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// Overlap before \[m\]: that of the layers, or any for a contact that has not been sheared.
+    /// Overlap before \[m\], where the layers end; 0 for a new contact.
     pub before: f64,
     /// Overlap after \[m\]; no contact at 0 and below.
     pub overlap: f64,
@@ -110,8 +110,8 @@ impl Step {
 /// The shear of a contact at the end of a step, and how it would change with the displacement u.
 ///
 /// -dQ/du is `across` (T - e eᵀ) + `along` e eᵀ with T the projection on the contact plane and e
-/// the `direction`, plus a term that is left out because it is not symmetric: where the innermost
-/// ring that slips had a D oblique to e, (`along` - `across`)/(1 - e·D) (D - (e·D) e) eᵀ.
+/// the `direction`, plus a term left to the caller because it is not symmetric: where the D of the
+/// ring at the core is oblique to e, (`across` - `along`)/(1 - e·D) (D - (e·D) e) eᵀ.
 /// At a corner of Q(u), as where a load is about to turn, it is the stiffer side's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Response {
@@ -187,7 +187,9 @@ impl Contact {
     /// Energy \[J\] that `step` turns into heat, never negative: the work -∫Q·du less the change of
     /// [`stored`](Self::stored).
     ///
-    /// Exact where the law is; in the plane the slip is taken to have its last direction all along.
+    /// At constant overlap in closed form, otherwise by quadrature over each ring: to 5e-4 of
+    /// ½ k_s (μh/η)² even if the contact opens in one step. In the plane the slip is taken to have
+    /// its last direction all along.
     #[must_use]
     pub fn dissipated(&self, layers: &[Layer], step: &Step) -> f64 {
         let step = step.in_contact();

@@ -43,12 +43,19 @@ pub(super) fn dissipated(contact: &Contact, layers: &[Layer], step: &Step) -> f6
 }
 
 /// See [`Contact::potential`].
+///
+/// At fixed overlaps what came into contact answers as one spring, with the mean of the stiffness
+/// that it gathers on the way; the energy of that spring replaces what the way stores.
 pub(super) fn potential(contact: &Contact, layers: &[Layer], step: &Step) -> f64 {
     let settled = settle(contact, layers, step);
+    let end = rings::end(layers, step.before);
     let new = Ring { inner: settled.core, outer: step.overlap, ratio: settled.ratio };
     let after = rings::within(layers, step.before, settled.core).chain([new]);
-    let rim = rings::end(layers, step.before).min(step.overlap);
-    stored(contact, after) + lost(contact, layers, step, &settled, rim, |_, _| step.overlap)
+    let heat = lost(contact, layers, step, &settled, end.min(step.overlap), |_, _| step.overlap);
+    let touched = Ring { inner: end, outer: step.overlap.max(end), ratio: settled.ratio };
+    let spring = 0.5 * rings::share(contact, &touched).dot(&touched.ratio) * touched.width();
+    let way = contact.friction * touched.ratio.norm_squared() * rise(contact.modulus, &touched);
+    stored(contact, after) + heat + contact.friction / contact.ratio * (spring - way)
 }
 
 /// Heat \[J\] of the slip from `rim` to the core: μ²/η times the integral of (1 - e·D) times

@@ -6,13 +6,14 @@ use crate::pack::Layer;
 /// The most layers a contact keeps.
 pub const MOST_LAYERS: usize = 32;
 
-/// D as near as this to its neighbour's is the same: rounding of a steady load stays below.
-const SAME: f64 = 1e-9;
+/// A change of ∫ D dx by less than this share of the overlap is like rounding.
+const NEGLIGIBLE: f64 = 1e-13;
 
 /// Unites neighbours with equal D, and then those that matter least until few enough remain.
 pub(super) fn unite(layers: &mut Vec<Layer>) {
+    let negligible = NEGLIGIBLE * layers.last().map_or(0.0, |rim| rim.reach);
     for k in (1..layers.len()).rev() {
-        if difference(&layers[k - 1], &layers[k]) <= SAME {
+        if cost(layers, k) <= negligible {
             join(layers, k);
         }
     }

@@ -33,7 +33,7 @@ pub(super) fn settle(contact: &Contact, layers: &[Layer], step: &Step) -> Settle
     let end = rings::end(layers, step.before);
     let mut v = pull(contact, step);
     let rise = step.overlap - end;
-    if rise > 0.0 && v.norm() <= rise {
+    if rise > 0.0 && length(v) <= rise {
         return Settled { core: end, ratio: v / rise, regime: Regime::Stuck };
     }
     for ring in rings::of(layers, step.before).rev() {
@@ -52,7 +52,7 @@ pub(super) fn settle(contact: &Contact, layers: &[Layer], step: &Step) -> Settle
         v += ring.ratio * ring.width();
     }
     // Rounding may leave |v| a little short of what brought the search here.
-    let distance = v.norm().max(step.overlap);
+    let distance = length(v).max(step.overlap);
     Settled { core: 0.0, ratio: direction(v), regime: Regime::Gross { distance } }
 }
 
@@ -60,7 +60,7 @@ pub(super) fn settle(contact: &Contact, layers: &[Layer], step: &Step) -> Settle
 /// NaN.
 fn depth(v: Vec3, gap: f64, ratio: &Vec3) -> f64 {
     // a x² + 2 b x - c = 0 with a, c >= 0; what is negative here is rounding.
-    let size = v.norm();
+    let size = length(v);
     let c = (size - gap) * (size + gap);
     if c <= 0.0 {
         return 0.0;
@@ -71,6 +71,13 @@ fn depth(v: Vec3, gap: f64, ratio: &Vec3) -> f64 {
     if b < 0.0 { (root - b) / a } else { c / (b + root) }
 }
 
+/// |v|, also where its square is out of range.
+fn length(v: Vec3) -> f64 {
+    let largest = v.amax();
+    if largest > 0.0 { largest * (v / largest).norm() } else { 0.0 }
+}
+
 fn direction(v: Vec3) -> Vec3 {
-    v.try_normalize(0.0).unwrap_or_else(Vec3::zeros)
+    let largest = v.amax();
+    if largest > 0.0 { (v / largest).normalize() } else { Vec3::zeros() }
 }
