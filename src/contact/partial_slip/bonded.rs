@@ -1,9 +1,11 @@
 //! The law without a limit of friction: nothing slips while the contact circle holds it.
 //!
-//! Each layer is one punch at overlap x = `reach` with the pull `ratio`·x = -η δ \[m\]; its force is
-//! P'(x) times that pull. A rise of the overlap from h₀ to h spreads its displacement evenly over
-//! the punches that come into contact, which one punch at √x = 2/3 (h^1.5 - h₀^1.5)/(h - h₀)
-//! replaces. A fall hands the pull of punches that lose contact on to the one at the new rim.
+//! Each layer is one punch at overlap x = `reach`, moved by δ. Its pull p = -η δ \[m\] has the force
+//! P'(x) p and is kept as `ratio` = p/(x + |p|), which stays below 1. A rise of the overlap from h₀
+//! to h spreads its displacement evenly over the punches that come into contact. One punch at
+//! √x = 2/3 (h^1.5 - h₀^1.5)/(h - h₀) replaces them: it has their force, and stores more than they
+//! do by about (h - h₀)/12h of what it stores by itself. A fall hands the pull of punches that lose
+//! contact on to the one at the new rim.
 
 use super::energy::mean;
 use super::merge::MOST_LAYERS;
@@ -25,7 +27,9 @@ struct Punch {
 
 impl Punch {
     fn of(layer: &Layer) -> Self {
-        Self { reach: layer.reach, pull: Vec3::from(layer.ratio) * layer.reach }
+        let ratio = Vec3::from(layer.ratio);
+        let rest = (1.0 - ratio.norm()).max(f64::EPSILON);
+        Self { reach: layer.reach, pull: ratio * (layer.reach / rest) }
     }
 
     fn stiffness(&self, contact: &Contact) -> f64 {
@@ -33,7 +37,8 @@ impl Punch {
     }
 
     fn layer(&self) -> Layer {
-        let ratio = if self.reach > 0.0 { self.pull / self.reach } else { Vec3::zeros() };
+        let whole = self.reach + self.pull.norm();
+        let ratio = if whole > 0.0 { self.pull / whole } else { Vec3::zeros() };
         Layer { reach: self.reach, ratio: ratio.into() }
     }
 }

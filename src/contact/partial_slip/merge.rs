@@ -1,6 +1,7 @@
 //! Fewer rings with the same force.
 
 use super::rings;
+use crate::Vec3;
 use crate::pack::Layer;
 
 /// The most layers a contact keeps.
@@ -26,7 +27,7 @@ pub(super) fn unite(layers: &mut Vec<Layer>) {
 }
 
 fn difference(inner: &Layer, outer: &Layer) -> f64 {
-    (crate::Vec3::from(outer.ratio) - crate::Vec3::from(inner.ratio)).norm()
+    (Vec3::from(outer.ratio) - Vec3::from(inner.ratio)).norm()
 }
 
 /// Widths \[m\] and shares of the force, both without common factors, of the rings k-1 and k.
