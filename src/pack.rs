@@ -15,7 +15,7 @@ use crate::wall::Bounds;
 pub use build::build;
 pub use csv::{Columns, Constants, PackFile, PackRow, box_json, read, save, to_csv};
 pub use error::PackError;
-pub use history::{ContactMemory, History, Layer};
+pub use history::{ContactMemory, History, Layer, wall_index, wall_of};
 
 /// One grain's constants and position.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,5 +1,7 @@
 //! What a specimen remembers of its loading besides where its grains are.
 
+use crate::wall;
+
 /// Rotations and contact history of a pack, in the order of the pack file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct History {
@@ -36,4 +38,24 @@ pub struct Layer {
     /// in units of its limit: a vector in the contact plane, |D| <= 1. The force on `first` points
     /// along it.
     pub ratio: [f64; 3],
+}
+
+impl Layer {
+    /// The ring as the other body sees it, for `sign` -1.
+    #[must_use]
+    pub fn times(&self, sign: f64) -> Self {
+        Self { reach: self.reach, ratio: self.ratio.map(|d| d * sign) }
+    }
+}
+
+/// The index by which files and messages name wall `wall` among grains.
+#[must_use]
+pub fn wall_index(wall: u8) -> u32 {
+    u32::MAX - u32::from(wall)
+}
+
+/// The wall that `index` names; `None` for a grain.
+#[must_use]
+pub fn wall_of(index: u32) -> Option<u8> {
+    u8::try_from(u32::MAX - index).ok().filter(|&w| usize::from(w) < wall::COUNT)
 }
