@@ -10,12 +10,14 @@ use rayon::prelude::*;
 use crate::Vec3;
 use crate::contact::coulomb::{self, Shear};
 use crate::contact::neighbours::{Neighbours, wall_gap};
+use crate::contact::partial_slip::{self, Step};
 use crate::contact::{Other, hertz, mindlin};
 use crate::model::{Friction, Model};
 use crate::relax::balance::{Balance, Configuration};
+use crate::pack::Layer;
 use crate::scene::Law;
-use crate::state::{Memory, Remembered, State};
-use crate::wall;
+use crate::state::{Ledger, Memory, Remembered, State};
+use crate::wall::{self, Bounds};
 
 /// Contacts that one task answers for; the bits do not depend on it.
 const CHUNK: usize = 512;
@@ -29,6 +31,8 @@ pub struct Held {
     pub second: Other,
     /// r_ij⁰ \[m\]; at a wall the centre of the grain.
     branch: Vec3,
+    /// n̂⁰.
+    normal: Vec3,
     /// h⁰ \[m\], or the later overlap that stiffness and limit were renewed with.
     pub overlap: f64,
     /// h⁰ \[m\].
@@ -44,6 +48,28 @@ pub struct Held {
     torsion_stiffness: f64,
     /// Largest couple \[N m\] (T 3.3.3).
     torsion_limit: f64,
+    /// For partial slip: the contact, the overlap its layers end at and the first of them.
+    partial: partial_slip::Contact,
+    before: f64,
+    first_layer: u32,
+}
+
+/// Where a contact is and how it moved since the reference.
+struct Motion {
+    normal: Vec3,
+    arm: [f64; 2],
+    /// u_s \[m\] (T 3.2).
+    slid: Vec3,
+    /// Ω_t \[rad\] (T 3.7).
+    twist: f64,
+}
+
+/// Where the grains are.
+struct Pose<'a> {
+    model: &'a Model,
+    position: &'a [Vec3],
+    rotation: &'a [Vec3],
+    bounds: &'a Bounds,
 }
 
 /// Answer of one contact in the current configuration.
@@ -78,6 +104,8 @@ impl Traction {
 pub struct Reference {
     /// Sorted by (first, second).
     pub contacts: Vec<Held>,
+    /// Layers of all contacts, for partial slip.
+    layers: Vec<Layer>,
     /// Rotations at the reference \[rad\], shape (n).
     rotation: Vec<Vec3>,
     /// Whether the specimen has friction.
@@ -89,6 +117,7 @@ struct Pair {
     friction: f64,
     effective_radius: f64,
     modulus: f64,
+    compliance: f64,
     shear_compliance: f64,
     torsion_compliance: f64,
 }
@@ -119,10 +148,23 @@ impl Pair {
             friction: coefficient,
             effective_radius,
             modulus: hertz::modulus(effective_radius, model.compliance[i] + compliance),
+            compliance: model.compliance[i] + compliance,
             shear_compliance: friction.shear_compliance[i] + shear,
             torsion_compliance: friction.torsion_compliance[i] + torsion,
         }
     }
+
+    fn partial(&self) -> partial_slip::Contact {
+        let ratio = partial_slip::stiffness_ratio(self.compliance, self.shear_compliance);
+        partial_slip::Contact { modulus: self.modulus, ratio, friction: self.friction }
+    }
+}
+
+/// The inward normal of wall `w`.
+fn wall_normal(w: u8) -> Vec3 {
+    let mut normal = Vec3::zeros();
+    normal[wall::axis(usize::from(w))] = wall::inward(usize::from(w));
+    normal
 }
 
 impl Held {
@@ -141,17 +183,14 @@ impl Held {
         }
     }
 
-    /// Answer in the configuration `at`, for the rotations since the reference.
-    fn answer(&self, at: &Configuration<'_>, friction: &Friction, rotation: &[Vec3]) -> Traction {
+    /// How the contact moved, for the rotations `rotation` at the reference.
+    fn motion(&self, at: &Pose<'_>, rotation: &[Vec3]) -> Motion {
         let i = self.first as usize;
         let turned = |k: usize| at.rotation[k] - rotation[k];
         let xi = at.position[i];
         let (normal, arm, moved, sweep, twist) = match self.second {
             Other::Grain(j) => {
                 let j = j as usize;
-                if !(at.carries[i] && at.carries[j]) {
-                    return Traction::default();
-                }
                 let branch = xi - at.position[j];
                 let distance = branch.norm();
                 let normal = branch / distance;
@@ -164,26 +203,38 @@ impl Held {
                 (normal, arm, branch - self.branch, sweep, (wi - wj).dot(&normal))
             }
             Other::Wall(w) => {
-                if !at.carries[i] {
-                    return Traction::default();
-                }
-                let w = usize::from(w);
-                let mut normal = Vec3::zeros();
-                normal[wall::axis(w)] = wall::inward(w);
-                let arm = wall_gap(&xi, w, at.bounds); // (3.3b)
+                let normal = wall_normal(w);
+                let arm = wall_gap(&xi, usize::from(w), at.bounds); // (3.3b)
                 let wi = turned(i);
                 (normal, [arm, 0.0], xi - self.branch, wi * arm, wi.dot(&normal))
             }
         };
         // (3.2): Ω × R with R = -n̂ arm.
-        let u = moved - normal * normal.dot(&moved) + normal.cross(&sweep);
-        let carried = turn_into_plane(&self.carried.shear, &normal);
-        let shear = match friction.law {
+        let slid = moved - normal * normal.dot(&moved) + normal.cross(&sweep);
+        Motion { normal, arm, slid, twist }
+    }
+
+    /// Answer to `motion` by `law`.
+    fn answer(&self, motion: &Motion, law: Law, layers: &[Layer]) -> Traction {
+        let Motion { normal, arm, slid, twist } = *motion;
+        let carried = || turn_into_plane(&self.carried.shear, &normal);
+        let shear = match law {
             // Renewed while it was open.
             _ if self.stiffness == 0.0 => Shear::default(),
-            Law::ReturnMap => coulomb::return_map(&carried, &u, self.stiffness, self.limit),
-            Law::Secant => coulomb::secant(&carried, &u, self.stiffness, self.limit),
-            Law::MindlinDeresiewicz => todo!(),
+            Law::ReturnMap => coulomb::return_map(&carried(), &slid, self.stiffness, self.limit),
+            Law::Secant => coulomb::secant(&carried(), &slid, self.stiffness, self.limit),
+            Law::MindlinDeresiewicz => {
+                let turn = Turn::between(&self.normal, &normal);
+                let answer = self.partial.respond(self.layers(layers), &self.step(&slid, &turn));
+                Shear {
+                    force: turn.forth(&answer.shear),
+                    across: answer.across,
+                    along: answer.along,
+                    direction: turn.forth(&answer.direction),
+                    slides: answer.sliding,
+                    ..Shear::default()
+                }
+            }
         };
         let torsion = coulomb::torsion(
             self.carried.torsion,
@@ -192,6 +243,38 @@ impl Held {
             self.torsion_limit,
         );
         Traction { live: true, normal, arm, shear, torsion }
+    }
+
+    /// The layers of this contact among those of all.
+    fn layers<'a>(&self, layers: &'a [Layer]) -> &'a [Layer] {
+        &layers[self.first_layer as usize..][..self.carried.layers as usize]
+    }
+
+    /// The step of partial slip that `slid` in the turned plane amounts to in the reference plane.
+    fn step(&self, slid: &Vec3, turn: &Turn) -> Step {
+        Step { before: self.before, overlap: self.overlap, displacement: turn.back(slid) }
+    }
+}
+
+/// The smallest rotation that takes one unit vector into another.
+struct Turn {
+    axis: Vec3,
+    cosine: f64,
+}
+
+impl Turn {
+    fn between(from: &Vec3, to: &Vec3) -> Self {
+        Self { axis: from.cross(to), cosine: from.dot(to) }
+    }
+
+    fn forth(&self, v: &Vec3) -> Vec3 {
+        let first = self.axis.cross(v);
+        // Contacts do not turn over within an increment, so that 1 + cosine is not near zero.
+        v + first + self.axis.cross(&first) / (1.0 + self.cosine)
+    }
+
+    fn back(&self, v: &Vec3) -> Vec3 {
+        Self { axis: -self.axis, cosine: self.cosine }.forth(v)
     }
 }
 
@@ -214,14 +297,18 @@ impl Reference {
         self.active = true;
         self.rotation.clone_from(&state.rotation);
         self.contacts.clear();
+        self.layers.clear();
         let bounds = state.bounds(model);
         let mut memory = state.memory.contacts.iter().peekable();
-        let mut push = |first: usize, second: Other, branch: Vec3, overlap: f64| {
+        let mut passed = 0;
+        let mut push = |first: usize, second: Other, branch: Vec3, normal: Vec3, overlap: f64| {
             if overlap <= 0.0 {
                 return;
             }
             let key = (first as u32, second);
-            while memory.next_if(|m| m.key() < key).is_some() {}
+            while let Some(other) = memory.next_if(|m| m.key() < key) {
+                passed += other.layers as usize;
+            }
             let pair = Pair::of(model, friction, key.0, second);
             if pair.friction == 0.0 {
                 return;
@@ -239,6 +326,7 @@ impl Reference {
                 first: key.0,
                 second,
                 branch,
+                normal,
                 overlap,
                 reference_overlap: overlap,
                 carried,
@@ -247,9 +335,36 @@ impl Reference {
                 limit: 0.0,
                 torsion_stiffness: 0.0,
                 torsion_limit: 0.0,
+                partial: pair.partial(),
+                before: overlap,
+                first_layer: self.layers.len() as u32,
             };
             held.freeze(&pair, overlap, friction.torsion);
             held.carried_energy = held.energy(&carried.shear, carried.torsion);
+            let layers = &state.memory.layers[passed..passed + carried.layers as usize];
+            passed += layers.len();
+            if friction.law == Law::MindlinDeresiewicz {
+                match layers.last() {
+                    Some(last) => {
+                        self.layers.extend_from_slice(layers);
+                        held.before = last.reach;
+                    }
+                    // New, or loaded under another law: one ring for all.
+                    None => {
+                        let share = match held.limit.is_finite() && held.limit > 0.0 {
+                            true => carried.shear / held.limit.max(carried.shear.norm()),
+                            false => Vec3::zeros(),
+                        };
+                        self.layers.push(Layer { reach: overlap, ratio: share.into() });
+                        held.carried.layers = 1;
+                    }
+                }
+                held.carried_energy = held.partial.stored(held.layers(&self.layers), held.before)
+                    + held.twist_energy(carried.torsion);
+                if lenient {
+                    held.overlap = held.before;
+                }
+            }
             if lenient {
                 held.limit = held.limit.max(carried.shear.norm());
                 held.torsion_limit = held.torsion_limit.max(carried.torsion.abs());
@@ -261,11 +376,12 @@ impl Reference {
                 let j = near.second[k];
                 let branch = at - state.position[j as usize];
                 let reach = model.radius[i] + model.radius[j as usize];
-                push(i, Other::Grain(j), branch, reach - branch.norm());
+                let distance = branch.norm();
+                push(i, Other::Grain(j), branch, branch / distance, reach - distance);
             }
             for &w in near.walls_near(i) {
                 let gap = wall_gap(at, usize::from(w), &bounds);
-                push(i, Other::Wall(w), *at, model.radius[i] - gap);
+                push(i, Other::Wall(w), *at, wall_normal(w), model.radius[i] - gap);
             }
         }
     }
@@ -285,6 +401,8 @@ impl Reference {
     /// Adds the tangential forces in the configuration `at` to `balance`.
     pub(super) fn evaluate(&self, balance: &mut Balance, at: &Configuration<'_>) {
         let Some(friction) = &at.model.friction else { return };
+        let Configuration { model, position, rotation, bounds, .. } = *at;
+        let pose = Pose { model, position, rotation, bounds };
         balance.tractions.resize(self.contacts.len(), Traction::default());
         balance
             .tractions
@@ -292,7 +410,17 @@ impl Reference {
             .zip(self.contacts.par_chunks(CHUNK))
             .for_each(|(tractions, contacts)| {
                 for (traction, held) in tractions.iter_mut().zip(contacts) {
-                    *traction = held.answer(at, friction, &self.rotation);
+                    let other = match held.second {
+                        Other::Grain(j) => at.carries[j as usize],
+                        Other::Wall(_) => true,
+                    };
+                    *traction = match other && at.carries[held.first as usize] {
+                        true => {
+                            let motion = held.motion(&pose, &self.rotation);
+                            held.answer(&motion, friction.law, &self.layers)
+                        }
+                        false => Traction::default(),
+                    };
                 }
             });
         balance.moment.clear();
@@ -342,6 +470,9 @@ impl Reference {
         memory.clear();
         let formed = self.formed(model, friction, state, near);
         let mut changes = Changes { formed, ..Changes::default() };
+        let bounds = state.bounds(model);
+        let State { position, rotation, .. } = &*state;
+        let pose = Pose { model, position, rotation, bounds: &bounds };
         let mut ledger = state.friction;
         ledger.stored = 0.0;
         for (held, traction) in self.contacts.iter().zip(&balance.tractions) {
@@ -353,26 +484,31 @@ impl Reference {
                 ledger.renewal += held.carried_energy;
                 continue;
             }
-            let before = held.energy(&held.carried.shear, held.carried.torsion);
-            let after = held.energy(&shear, torsion);
             let mut now = *held;
             let pair = Pair::of(model, friction, held.first, held.second);
             now.freeze(&pair, overlap, friction.torsion);
-            let stored = now.energy(&shear, torsion);
             let excess = match traction.shear.slides {
                 true => (shear.norm() - now.limit).abs(),
                 false => shear.norm() - now.limit,
             };
             changes.excess = changes.excess.max(excess);
+            let layers = memory.layers.len();
+            let change = match friction.law {
+                Law::MindlinDeresiewicz => {
+                    let motion = held.motion(&pose, &self.rotation);
+                    held.slip(&now, &motion, torsion, &self.layers, &mut memory.layers)
+                }
+                Law::ReturnMap | Law::Secant => held.stick_or_slide(&now, &shear, torsion),
+            };
             ledger.slip += traction.shear.dissipated + traction.torsion.dissipated;
-            ledger.slip += held.shortening();
-            ledger.renewal += held.carried_energy - before + after - stored;
-            ledger.stored += stored;
+            ledger.slip += change.slip;
+            ledger.renewal += change.renewal;
+            ledger.stored += change.stored;
             memory.contacts.push(Remembered {
                 shear,
                 torsion,
                 slides: traction.shear.slides,
-                layers: 0,
+                layers: (memory.layers.len() - layers) as u32,
                 ..held.carried
             });
         }
@@ -431,11 +567,53 @@ pub struct Changes {
 impl Held {
     /// Elastic energy of the loads `shear` and `torsion` at this stiffness \[J\].
     fn energy(&self, shear: &Vec3, torsion: f64) -> f64 {
-        let twist = match self.torsion_stiffness > 0.0 {
+        0.5 * shear.norm_squared() / self.stiffness + self.twist_energy(torsion)
+    }
+
+    fn twist_energy(&self, torsion: f64) -> f64 {
+        match self.torsion_stiffness > 0.0 {
             true => 0.5 * torsion * torsion / self.torsion_stiffness,
             false => 0.0,
+        }
+    }
+
+    /// Energies of an increment of a stick-or-slide law at whose end the contact is as `now`.
+    fn stick_or_slide(&self, now: &Self, shear: &Vec3, torsion: f64) -> Ledger {
+        let before = self.energy(&self.carried.shear, self.carried.torsion);
+        let stored = now.energy(shear, torsion);
+        Ledger {
+            stored,
+            slip: self.shortening(),
+            renewal: self.carried_energy - before + self.energy(shear, torsion) - stored,
+        }
+    }
+
+    /// Energies of an increment of partial slip; adds the layers at its end to `after`, turned
+    /// into the present plane.
+    fn slip(
+        &self,
+        now: &Self,
+        motion: &Motion,
+        torsion: f64,
+        layers: &[Layer],
+        after: &mut Vec<Layer>,
+    ) -> Ledger {
+        let turn = Turn::between(&self.normal, &motion.normal);
+        let step = self.step(&motion.slid, &turn);
+        let before = self.layers(layers);
+        let mut own = before.to_vec();
+        self.partial.commit(&mut own, &step);
+        let twisted = now.twist_energy(torsion);
+        let ledger = Ledger {
+            stored: self.partial.stored(&own, self.overlap) + twisted,
+            slip: self.partial.dissipated(before, &step),
+            renewal: self.twist_energy(torsion) - twisted,
         };
-        0.5 * shear.norm_squared() / self.stiffness + twist
+        after.extend(own.iter().map(|layer| {
+            let ratio = turn.forth(&Vec3::from(layer.ratio)).into();
+            Layer { ratio, ..*layer }
+        }));
+        ledger
     }
 
     /// Energy lost because the limit fell below what the contact carried \[J\]: the slip from
