@@ -2,7 +2,7 @@
 
 use indicatif::MultiProgress;
 
-use graintwin::pack::{self, Pack};
+use graintwin::pack::{self, History, Pack};
 use graintwin::scene::Loaded;
 
 use super::Failure;
@@ -28,7 +28,14 @@ pub(super) fn build(
     Ok(pack)
 }
 
-/// Number, size and density of a pack.
+/// What a pack remembers.
+pub(super) fn history(history: Option<&History>) -> String {
+    let Some(history) = history else { return "history         none\n".into() };
+    let (contacts, sliding) = (history.contacts.len(), history.sliding());
+    format!("history         {contacts} contacts, of which {sliding} slide\n")
+}
+
+/// Number, size, density and history of a pack.
 pub(super) fn describe(pack: &Pack) -> String {
     let radii = pack.grains.iter().map(|grain| grain.radius);
     let (least, most) = radii.clone().fold((f64::INFINITY, 0.0_f64), |(least, most), radius| {
@@ -38,10 +45,11 @@ pub(super) fn describe(pack: &Pack) -> String {
     let [x, y, z] = pack.bounds.sides().map(|side| significant(side * 1e3, 5));
     format!(
         "grains          {}\nradii           {} to {} mm\nbox             {x} x {y} x {z} mm\n\
-         grain volume    {} of the box, overlaps counted twice\n",
+         grain volume    {} of the box, overlaps counted twice\n{}",
         pack.grains.len(),
         significant(least * 1e3, 4),
         significant(most * 1e3, 4),
         significant(solid / pack.bounds.volume(), 5),
+        history(pack.history.as_ref()),
     )
 }

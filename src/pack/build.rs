@@ -23,6 +23,9 @@ pub fn build(loaded: &Loaded) -> Result<Pack, PackError> {
         (None, None) => return Err(PackError::NoSource),
     };
     let Some(cut) = &source.cut else { return Ok(pack) };
+    if pack.history.is_some() {
+        tracing::warn!("pack.cut drops the history of the pack: another specimen begins anew");
+    }
     let specimen = pack.cut(cut);
     if specimen.grains.is_empty() {
         return Err(PackError::EmptyCut { grains: pack.grains.len() });
@@ -48,7 +51,8 @@ fn from_file(loaded: &Loaded, file: &Path) -> Result<Pack, PackError> {
     let mut rng = Pcg64::seed_from_u64(scene.pack.seed);
     let grain = |row: &PackRow| grain(&file, row, scene, &mut rng);
     let grains = file.rows.iter().map(grain).collect::<Result<_, _>>()?;
-    Ok(Pack { bounds, grains, history: None })
+    let history = file.read_history()?;
+    Ok(Pack { bounds, grains, history })
 }
 
 fn grain(
