@@ -7,13 +7,14 @@ mod csv;
 mod error;
 pub mod generate;
 mod history;
+pub mod prepare;
 pub mod properties;
 mod save;
 
 use crate::wall::Bounds;
 
 pub use beside::box_file;
-pub use build::build;
+pub use build::{build, unprepared};
 pub use csv::{Columns, Constants, PackFile, PackRow, read};
 pub use error::PackError;
 pub use history::{ContactMemory, History, Layer, history_file};

@@ -72,6 +72,7 @@ fn pack() -> impl Strategy<Value = PackSource> {
         material: None,
         cut,
         seed: 0,
+        prepare: Vec::new(),
     });
     let read = (word(), option::of(bounds()), option::of(bounds()), any::<u64>()).prop_map(
         |(file, bounds, cut, seed)| PackSource {
@@ -81,6 +82,7 @@ fn pack() -> impl Strategy<Value = PackSource> {
             material: Some("quartz".into()),
             cut,
             seed,
+            prepare: Vec::new(),
         },
     );
     prop_oneof![made, read]

@@ -2,30 +2,67 @@
 
 use indicatif::MultiProgress;
 
-use graintwin::pack::{self, History, Pack};
+use graintwin::pack::prepare::{Reached, prepare};
+use graintwin::pack::{self, History, Pack, PackError};
 use graintwin::scene::Loaded;
 
 use super::Failure;
 use super::output::significant;
 use super::progress::waiting;
 
-/// The scene's pack; making one takes a while and says so.
+/// A pack with what its preparation reached, one entry a step.
+pub(super) struct Specimen {
+    pub(super) pack: Pack,
+    pub(super) prepared: Vec<Reached>,
+}
+
+/// The scene's pack; making and preparing one takes a while and says so.
 pub(super) fn build(
     loaded: &Loaded,
     threads: usize,
     bars: &MultiProgress,
-) -> Result<Pack, Failure> {
+) -> Result<Specimen, Failure> {
+    let scene = &loaded.scene;
     // What is made does not depend on the threads, the time does.
     let pool =
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(Failure::other)?;
-    let pack = match &loaded.scene.pack.generate {
-        None => pack::build(loaded)?,
+    let pack = match &scene.pack.generate {
+        None => pack::unprepared(loaded)?,
         Some(spec) => {
             let what = format!("making {} grains", spec.grains);
-            waiting(what, bars, || pool.install(|| pack::build(loaded)))?
+            waiting(what, bars, |_| pool.install(|| pack::unprepared(loaded)))?
         }
     };
-    Ok(pack)
+    let steps = scene.pack.prepare.len();
+    if steps == 0 {
+        return Ok(Specimen { pack, prepared: Vec::new() });
+    }
+    let mut prepared: Vec<Reached> = Vec::new();
+    let pack = waiting("preparing".into(), bars, |bar| {
+        let mut watch = |reached: &Reached| {
+            bar.set_message(format!("preparing, {}/{steps} {}", reached.step + 1, now(reached)));
+            prepared.truncate(reached.step);
+            prepared.push(*reached);
+        };
+        pool.install(|| prepare(scene, pack, &mut watch)).map_err(PackError::from)
+    })?;
+    Ok(Specimen { pack, prepared })
+}
+
+fn now(reached: &Reached) -> String {
+    let Reached { strain, confining_stress, sliding_ratio, .. } = *reached;
+    format!(
+        "strain {}, {} MPa confining, sliding ratio {sliding_ratio:.4}",
+        significant(strain, 4),
+        significant(confining_stress * 1e-6, 4),
+    )
+}
+
+/// What the preparation of a pack reached, a line a step.
+pub(super) fn preparation(prepared: &[Reached]) -> String {
+    prepared.iter().fold(String::new(), |text, reached| {
+        format!("{text}step {}          {}\n", reached.step + 1, now(reached))
+    })
 }
 
 /// What a pack remembers.

@@ -1,4 +1,4 @@
-//! From a scene to its pack: read or made, given its properties, and cut.
+//! From a scene to its pack: read or made, given its properties, cut, and prepared.
 
 use std::path::Path;
 
@@ -6,16 +6,26 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
 use super::generate::generate;
+use super::prepare::prepare;
 use super::{Constants, Grain, Pack, PackError, PackFile, PackRow, properties, read};
 use crate::scene::{Generate, Loaded, Material, Scene};
 use crate::table::TableError;
 
-/// The pack of a scene.
+/// The pack of a scene: made or read, cut, and prepared.
+///
+/// # Errors
+/// As [`unprepared`], and when the preparation fails.
+pub fn build(loaded: &Loaded) -> Result<Pack, PackError> {
+    let pack = unprepared(loaded)?;
+    Ok(prepare(&loaded.scene, pack, &mut |_| ())?)
+}
+
+/// The pack of a scene before its preparation.
 ///
 /// # Errors
 /// When a file of the pack is wrong or cannot be read, the pack cannot be made, or the cut leaves
 /// nothing.
-pub fn build(loaded: &Loaded) -> Result<Pack, PackError> {
+pub fn unprepared(loaded: &Loaded) -> Result<Pack, PackError> {
     let source = &loaded.scene.pack;
     let pack = match (&source.generate, &source.file) {
         (Some(spec), _) => made(&loaded.scene, spec)?,

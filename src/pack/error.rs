@@ -4,6 +4,7 @@ use std::io;
 use std::path::PathBuf;
 
 use super::generate::GenerateError;
+use super::prepare::PrepareError;
 use crate::table::TableError;
 
 /// Why there is no pack.
@@ -55,6 +56,9 @@ pub enum PackError {
     /// The pack could not be made.
     #[error(transparent)]
     Generate(#[from] GenerateError),
+    /// The pack could not be prepared.
+    #[error(transparent)]
+    Prepare(#[from] PrepareError),
     /// The scene names no source of grains.
     #[error("pack: neither `generate` nor `file` is given; allowed: exactly one of them")]
     NoSource,
