@@ -633,7 +633,8 @@ fn no_number_of_a_scene_may_be_nan_or_infinite() {
     let full = parse(
         "materials: {m: {young: 1e9, poisson: 0.2, density: 1000, spread: 0.1}}\n\
          pack:\n  generate: {grains: 5, radius: {uniform: [1e-4, 2e-4]}, material: m, \
-         confining_stress: 1e6}\n  cut: {min: [-1, -1, -1], max: [1, 1, 1]}\n\
+         confining_stress: 1e6}\n  cut: {min: [-1, -1, -1], max: [1, 1, 1]}\n  \
+         prepare: [isotropic: {confining_stress: 1e6}, uniaxial: {strain: 0.001}]\n\
          reference: {min: [-1, -1, -1], max: [1, 1, 1]}\n\
          load_path:\n\
          - isotropic: {strain: 0.001, increments: 1}\n\
