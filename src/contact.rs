@@ -1,5 +1,15 @@
 //! Contacts: who is near whom, and the laws between them.
 
+pub mod coulomb;
 pub mod hertz;
 pub mod mindlin;
 pub mod neighbours;
+
+/// What a grain touches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Other {
+    /// A grain, in the solver's order.
+    Grain(u32),
+    /// A wall.
+    Wall(u8),
+}

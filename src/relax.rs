@@ -7,24 +7,33 @@
 
 pub mod advance;
 pub mod balance;
+pub mod coupled;
 pub mod fire;
 pub mod linear;
 pub mod newton;
 pub mod rattlers;
 mod sym3;
+mod sym6;
+pub mod tangential;
 
 use crate::Vec3;
 use crate::contact::hertz;
 use crate::contact::neighbours::Neighbours;
 use crate::model::Model;
-use crate::state::State;
+use crate::state::{Memory, State};
 use crate::wall::Bounds;
 use balance::{Balance, Configuration, Sums};
-use linear::Linear;
+use coupled::Coupled;
+use linear::{Inner, Linear};
 use rattlers::Rattlers;
+use tangential::{Changes, Reference};
 
 /// Times that floating grains which turn out to carry load may join the balance.
 const ROUNDS: u32 = 40;
+
+/// Longest Newton step with friction over the mean overlap: beyond it the contacts that slide are
+/// others.
+const FRICTIONAL_CAP: f64 = 0.1;
 
 /// Residuals of the descents from an unstable configuration, one after the other.
 const DESCENTS: [f64; 5] = [1e-3, 3e-4, 1e-4, 1e-5, 1e-6];
@@ -89,8 +98,12 @@ pub struct Workspace {
     pub neighbours: Neighbours,
     /// The balance at the state.
     pub balance: Balance,
-    /// The linear system of the present step.
+    /// Where shear and torsion are counted from.
+    pub reference: Reference,
+    /// The linear system of the present step without friction.
     pub linear: Linear,
+    /// The linear system of the present step with friction.
+    pub coupled: Coupled,
     /// Stiffness that single precision is scaled by \[N/m\].
     pub reference_stiffness: f64,
     /// Newton steps longer than this many mean overlaps are shortened by a shift of the Hessian.
@@ -99,10 +112,16 @@ pub struct Workspace {
     shift: Vec<f32>,
     /// Contacts of each grain, shape (n); for packs with weight.
     support: Vec<u32>,
+    /// The present step \[m\], shape (n), and its rotations times radius \[m\], shape (n) or empty.
+    step: Vec<Vec3>,
+    turn: Vec<Vec3>,
     trial: Vec<Vec3>,
-    /// Velocities of an inertial descent, shape (n).
+    trial_rotation: Vec<Vec3>,
+    /// Velocities of an inertial descent, of the grains and then of their rotations.
     velocity: Vec<Vec3>,
     trial_balance: Balance,
+    /// For the memory that is being written.
+    memory: Memory,
     rattlers: Rattlers,
     negligible_force: f64,
 }
@@ -116,36 +135,106 @@ impl Workspace {
         Self {
             neighbours: Neighbours::default(),
             balance: Balance::default(),
+            reference: Reference::default(),
             linear: Linear::default(),
+            coupled: Coupled::default(),
             reference_stiffness: hertz::stiffness(modulus, 1e-2 * model.mean_radius),
-            step_cap: 1.0,
+            step_cap: if model.friction.is_some() { FRICTIONAL_CAP } else { 1.0 },
             shift: Vec::with_capacity(model.len()),
             support: Vec::new(),
+            step: Vec::with_capacity(model.len()),
+            turn: Vec::new(),
             trial: Vec::with_capacity(model.len()),
+            trial_rotation: Vec::new(),
             velocity: Vec::with_capacity(model.len()),
             trial_balance: Balance::default(),
+            memory: Memory::default(),
             rattlers: Rattlers::default(),
             negligible_force: model.negligible_force(),
         }
     }
 
-    /// Evaluates the balance of the grains in `carries`.
-    pub fn evaluate(
-        &mut self,
-        model: &Model,
-        position: &[Vec3],
-        carries: &[bool],
-        bounds: &Bounds,
-    ) {
-        self.neighbours.refresh(model, position, bounds);
+    /// Evaluates the balance of `state` in the box `bounds`.
+    pub fn evaluate(&mut self, model: &Model, state: &State, bounds: &Bounds) {
+        self.neighbours.refresh(model, &state.position, bounds);
         self.balance.evaluate(&Configuration {
             model,
             neighbours: &self.neighbours,
-            position,
-            carries,
+            position: &state.position,
+            rotation: &state.rotation,
+            reference: &self.reference,
+            carries: &state.carries,
             bounds,
             reference_stiffness: self.reference_stiffness,
         });
+    }
+
+    /// Takes the equilibrium `state` as the reference that shear and torsion count from.
+    pub fn begin(&mut self, model: &Model, state: &State) {
+        self.neighbours.refresh(model, &state.position, &state.bounds(model));
+        self.reference.begin(model, state, &self.neighbours, false);
+    }
+
+    /// Takes the pack as it was given as the reference. It may carry what it remembers even where
+    /// that is beyond the limit: it was so in equilibrium.
+    pub fn start(&mut self, model: &Model, state: &State) {
+        self.neighbours.refresh(model, &state.position, &state.bounds(model));
+        self.reference.begin(model, state, &self.neighbours, true);
+    }
+
+    /// Ends a relaxation that did not move anything: `state` remembers what it did before.
+    pub fn keep(&self, state: &mut State) -> Changes {
+        state.friction.stored = self.reference.carried_energy();
+        Changes::default()
+    }
+
+    /// Ends an increment: `state`, whose balance was taken last, remembers its tangential loads.
+    pub fn commit(&mut self, model: &Model, state: &mut State) -> Changes {
+        self.reference.commit(model, state, &self.balance, &self.neighbours, &mut self.memory)
+    }
+
+    /// Takes the linearisation of the balance.
+    fn assemble(&mut self, model: &Model) {
+        match self.reference.active {
+            false => self.linear.assemble(&self.balance, &self.neighbours),
+            true => self.coupled.assemble(
+                &self.balance,
+                &self.neighbours,
+                &self.reference,
+                &model.radius,
+                self.reference_stiffness,
+            ),
+        }
+    }
+
+    /// Solves for the step, with the shifts as they are; `largest` \[N\] scales it.
+    fn solve(&mut self, largest: f64, forcing: f64, most: u32) -> Inner {
+        let unit = largest / self.reference_stiffness;
+        let Self { balance, linear, coupled, step, turn, .. } = self;
+        step.clear();
+        turn.clear();
+        if self.reference.active {
+            coupled.factorise(&self.shift);
+            let inner = coupled.solve(&balance.gradient, &balance.moment, largest, forcing, most);
+            for i in 0..balance.gradient.len() {
+                let [u, w] = coupled.step(i, unit);
+                step.push(u);
+                turn.push(w);
+            }
+            return inner;
+        }
+        linear.factorise(&self.shift);
+        let inner = linear.solve(&balance.gradient, largest, forcing, most);
+        step.extend((0..balance.gradient.len()).map(|i| linear.step(i, unit)));
+        inner
+    }
+
+    /// Change of the potential of `balance` along the step \[J\].
+    fn slope(&self, balance: &Balance) -> f64 {
+        let along = |gradient: &[Vec3], step: &[Vec3]| -> f64 {
+            gradient.iter().zip(step).map(|(g, s)| g.dot(s)).sum()
+        };
+        along(&balance.gradient, &self.step) + along(&balance.moment, &self.turn)
     }
 }
 

@@ -95,8 +95,29 @@ pub struct PackState {
     pub coordination_number: f64,
     /// Sliding contacts over all contacts.
     pub sliding_ratio: f64,
+    /// Mean normal force of a contact \[N\].
+    pub mean_normal_force: f64,
+    /// Mean magnitude of the tangential force of a contact \[N\].
+    pub mean_tangential_force: f64,
+    /// Largest couple of opposite walls about the pack's centre, as a pair of forces the box
+    /// apart, over the normal force on them (T 3.5).
+    pub wall_couple: f64,
+    /// Largest part of a tangential force that the limit of the present normal force would
+    /// change, over the mean normal force: what freezing the limit within the increment costs.
+    pub friction_defect: f64,
+    /// Contacts that lost their shear in the increment because they opened.
+    pub opened: u32,
+    /// Contacts that formed in the increment, without shear as yet.
+    pub formed: u32,
     /// Elastic and gravitational energy \[J\].
     pub stored_energy: f64,
+    /// Part of it in shear and torsion of the contacts \[J\].
+    pub shear_energy: f64,
+    /// Energy that slip took since the start \[J\]; part of `dissipated_energy`.
+    pub slip_energy: f64,
+    /// Energy lost since the start where the law forgets \[J\]: contacts that opened under shear,
+    /// stiffnesses renewed under load (a gain when negative); part of `dissipated_energy`.
+    pub renewal_energy: f64,
     /// Work of the walls since the start, trapezoidal over the equilibria \[J\].
     pub wall_work: f64,
     /// Energy lost in events and sliding since the start \[J\].

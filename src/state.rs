@@ -1,7 +1,9 @@
 //! What a snapshot holds.
 
 use crate::Vec3;
+use crate::contact::Other;
 use crate::model::Model;
+use crate::pack::{self, History, Layer};
 use crate::wall::{self, Bounds};
 
 /// The configuration of a specimen at an equilibrium, and the ledger that led there.
@@ -9,27 +11,169 @@ use crate::wall::{self, Bounds};
 pub struct State {
     /// Centres of the grains \[m\], shape (n), in the solver's order.
     pub position: Vec<Vec3>,
+    /// Sum of the rotation increments of each grain \[rad\], shape (n); empty without friction.
+    pub rotation: Vec<Vec3>,
+    /// What the contacts remember; empty without friction.
+    pub memory: Memory,
     /// Whether a grain takes part in the balance of forces, shape (n); the others float.
     pub carries: Vec<bool>,
     /// Inward displacement of the walls since the start \[m\].
     pub displacement: [f64; wall::COUNT],
+    /// Energies of the contacts' shear and torsion.
+    pub friction: Ledger,
     /// Work of the walls since the start \[J\].
     pub wall_work: f64,
     /// Stored energy at the initial equilibrium \[J\].
     pub initial_energy: f64,
 }
 
+/// Energies of shear and torsion \[J\].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ledger {
+    /// Elastic energy stored now.
+    pub stored: f64,
+    /// Lost by slip since the start.
+    pub slip: f64,
+    /// Lost since the start where the law forgets: contacts that opened under shear, and
+    /// stiffnesses that were renewed under load. The latter can be a gain.
+    pub renewal: f64,
+}
+
+/// The loads that frictional contacts carry at an equilibrium.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Memory {
+    /// Sorted by (first, second).
+    pub contacts: Vec<Remembered>,
+    /// Layers of all contacts, one contact after the other.
+    pub layers: Vec<Layer>,
+}
+
+/// The tangential load of one contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Remembered {
+    /// Grain i.
+    pub first: u32,
+    /// The other body.
+    pub second: Other,
+    /// Q on grain i \[N\].
+    pub shear: Vec3,
+    /// Couple on grain i about the normal towards it \[N m\].
+    pub torsion: f64,
+    /// Whether the contact slid in the last increment.
+    pub slides: bool,
+    /// How many of the `layers` are this contact's.
+    pub layers: u32,
+}
+
+impl Remembered {
+    /// What the list is sorted by.
+    #[must_use]
+    pub fn key(&self) -> (u32, Other) {
+        (self.first, self.second)
+    }
+}
+
+impl Memory {
+    /// Forgets everything.
+    pub fn clear(&mut self) {
+        self.contacts.clear();
+        self.layers.clear();
+    }
+
+    fn copy_from(&mut self, other: &Self) {
+        self.contacts.clone_from(&other.contacts);
+        self.layers.clone_from(&other.layers);
+    }
+}
+
 impl State {
-    /// The state that `model` was loaded with.
+    /// The state that `model` was loaded with, without a history.
     #[must_use]
     pub fn new(model: &Model) -> Self {
+        let turning = if model.friction.is_some() { model.len() } else { 0 };
         Self {
             position: model.grains.iter().map(|g| Vec3::from(g.position)).collect(),
+            rotation: vec![Vec3::zeros(); turning],
+            memory: Memory::default(),
             carries: vec![true; model.len()],
             displacement: [0.0; wall::COUNT],
+            friction: Ledger::default(),
             wall_work: 0.0,
             initial_energy: 0.0,
         }
+    }
+
+    /// Takes up the history of the pack that `model` was made of. Without friction there is
+    /// nothing to take up.
+    pub fn recall(&mut self, model: &Model, history: &History) {
+        if model.friction.is_none() {
+            return;
+        }
+        let place = inverse(&model.order);
+        for (k, &grain) in model.order.iter().enumerate() {
+            self.rotation[k] = Vec3::from(history.rotation[grain as usize]);
+        }
+        // A contact of two grains turns round where the solver's order does.
+        let mut contacts: Vec<(Remembered, &[Layer], f64)> = history
+            .contacts
+            .iter()
+            .map(|memory| {
+                let first = place[memory.first as usize];
+                let second = pack::wall_of(memory.second)
+                    .map_or_else(|| Other::Grain(place[memory.second as usize]), Other::Wall);
+                let (first, second, sign) = match second {
+                    Other::Grain(j) if j < first => (j, Other::Grain(first), -1.0),
+                    _ => (first, second, 1.0),
+                };
+                let remembered = Remembered {
+                    first,
+                    second,
+                    shear: Vec3::from(memory.shear) * sign,
+                    torsion: memory.torsion,
+                    slides: memory.sliding,
+                    layers: memory.layers.len() as u32,
+                };
+                (remembered, memory.layers.as_slice(), sign)
+            })
+            .collect();
+        contacts.sort_unstable_by_key(|(remembered, ..)| remembered.key());
+        self.memory.clear();
+        for (remembered, layers, sign) in contacts {
+            self.memory.contacts.push(remembered);
+            self.memory.layers.extend(layers.iter().map(|layer| layer.times(sign)));
+        }
+    }
+
+    /// The history to be saved with the pack; `None` without friction.
+    #[must_use]
+    pub fn history(&self, model: &Model) -> Option<History> {
+        model.friction.as_ref()?;
+        let mut rotation = vec![[0.0; 3]; model.len()];
+        for (k, &grain) in model.order.iter().enumerate() {
+            rotation[grain as usize] = self.rotation[k].into();
+        }
+        let mut from = 0;
+        let mut contacts: Vec<pack::ContactMemory> = Vec::new();
+        for memory in &self.memory.contacts {
+            let to = from + memory.layers as usize;
+            let first = model.order[memory.first as usize];
+            let second = match memory.second {
+                Other::Grain(j) => model.order[j as usize],
+                Other::Wall(w) => pack::wall_index(w),
+            };
+            let sign = if first < second { 1.0 } else { -1.0 };
+            contacts.push(pack::ContactMemory {
+                first: first.min(second),
+                second: first.max(second),
+                shear: (memory.shear * sign).into(),
+                torsion: memory.torsion,
+                sliding: memory.slides,
+                layers: self.memory.layers[from..to].iter().map(|layer| layer.times(sign)).collect(),
+            });
+            from = to;
+        }
+        contacts.sort_unstable_by_key(|memory| (memory.first, memory.second));
+        Some(History { rotation, contacts })
     }
 
     /// The box now.
@@ -41,9 +185,21 @@ impl State {
     /// Copies `other` into this state without allocating.
     pub fn copy_from(&mut self, other: &Self) {
         self.position.copy_from_slice(&other.position);
+        self.rotation.copy_from_slice(&other.rotation);
+        self.memory.copy_from(&other.memory);
         self.carries.copy_from_slice(&other.carries);
         self.displacement = other.displacement;
+        self.friction = other.friction;
         self.wall_work = other.wall_work;
         self.initial_energy = other.initial_energy;
     }
+}
+
+/// Where each entry of a permutation stands.
+fn inverse(order: &[u32]) -> Vec<u32> {
+    let mut place = vec![0; order.len()];
+    for (k, &grain) in order.iter().enumerate() {
+        place[grain as usize] = k as u32;
+    }
+    place
 }

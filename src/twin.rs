@@ -62,8 +62,12 @@ impl Twin {
             .build()
             .map_err(|source| TwinError::Threads { threads, source })?;
         let model = Model::new(pack, scene);
+        let mut state = State::new(&model);
+        if let Some(history) = &pack.history {
+            state.recall(&model, history);
+        }
         Ok(Self {
-            state: State::new(&model),
+            state,
             work: Workspace::new(&model),
             gate: Gate::new(pack.bounds, scene.node.stale_after),
             pool,
@@ -79,6 +83,7 @@ impl Twin {
     pub fn start(&mut self, demand: Demand) -> Report {
         let given = self.state.clone();
         let Self { model, state, work, pool, .. } = self;
+        work.start(model, state);
         let outcome = pool.install(|| relax(model, state, work));
         self.outcome = outcome;
         let mut report = Report {
@@ -97,7 +102,12 @@ impl Twin {
             report.text = format!("the pack as given: {}", self.explain(&outcome));
             return report;
         }
-        self.state.initial_energy = outcome.sums.energy;
+        let changes = match outcome.iterations {
+            // What was an equilibrium stays what it was, to the bit.
+            0 => self.work.keep(&mut self.state),
+            _ => self.work.commit(&self.model, &mut self.state),
+        };
+        self.state.initial_energy = outcome.sums.energy + self.state.friction.stored;
         report.text = match (outcome.status, outcome.iterations) {
             (Status::Unjammed, _) => UNJAMMED.into(),
             (_, 0) => String::new(),
@@ -107,7 +117,8 @@ impl Twin {
         };
         report.substeps = u32::from(outcome.iterations > 0);
         let Outcome { iterations, descents, .. } = outcome;
-        let reached = Advance { outcome, substeps: report.substeps, iterations, descents };
+        let substeps = report.substeps;
+        let reached = Advance { outcome, substeps, iterations, descents, changes };
         report.measures = Some(self.measure(Stamp::default(), &reached, demand));
         report
     }
@@ -220,7 +231,9 @@ impl Twin {
         let state = demand.state.then(|| {
             let numbers = coordination::numbers(model, contacts.counted());
             let love_weber = stress::from_contacts(&contacts.list, &bounds);
-            let stored_energy = reached.outcome.sums.energy;
+            let friction = &state.friction;
+            let stored_energy = reached.outcome.sums.energy + friction.stored;
+            let changes = &reached.changes;
             PackState {
                 strain,
                 natural_strain: stress::natural_strain(&bounds, &model.reference),
@@ -230,8 +243,20 @@ impl Twin {
                 deviatoric_stress: normal[2] - 0.5 * (normal[0] + normal[1]),
                 porosity: porosity::porosity(model, &contacts.list, &bounds),
                 coordination_number: f64::from(numbers.iter().sum::<u32>()) / model.len() as f64,
-                sliding_ratio: 0.0,
+                sliding_ratio: contacts.sliding_ratio(),
+                mean_normal_force: contacts.mean_force,
+                mean_tangential_force: contacts.mean_shear,
+                wall_couple: walls::couple(&wall_forces, &bounds),
+                friction_defect: match changes.excess > 0.0 {
+                    true => changes.excess / contacts.mean_force,
+                    false => 0.0,
+                },
+                opened: changes.opened,
+                formed: changes.formed,
                 stored_energy,
+                shear_energy: friction.stored,
+                slip_energy: friction.slip,
+                renewal_energy: friction.renewal,
                 wall_work: state.wall_work,
                 dissipated_energy: state.wall_work - (stored_energy - state.initial_energy),
                 contacts: contacts.counted().count() as u32,
@@ -271,7 +296,7 @@ impl Twin {
             let position = self.state.position[k].into();
             grains[order as usize] = Grain { position, ..self.model.grains[k] };
         }
-        Pack { bounds: self.state.bounds(&self.model), grains, history: None }
+        Pack { bounds: self.state.bounds(&self.model), grains, history: self.state.history(&self.model) }
     }
 }
 

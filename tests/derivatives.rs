@@ -13,6 +13,7 @@ use graintwin::contact::neighbours::Neighbours;
 use graintwin::model::Model;
 use graintwin::pack::Pack;
 use graintwin::relax::balance::{Balance, Configuration};
+use graintwin::relax::tangential::Reference;
 use graintwin::scene::{Solver, Walls};
 use graintwin::wall::Bounds;
 use packs::{bead, close, made};
@@ -42,6 +43,8 @@ fn balance(model: &Model, position: &[Vec3], carries: &[bool]) -> (Balance, Neig
         model,
         neighbours: &neighbours,
         position,
+        rotation: &[],
+        reference: &Reference::default(),
         carries,
         bounds,
         reference_stiffness: REFERENCE,

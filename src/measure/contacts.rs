@@ -1,7 +1,7 @@
 //! The load-carrying contacts of a state.
 
 use crate::Vec3;
-use crate::contact::hertz;
+use crate::contact::{Other, hertz};
 use crate::contact::neighbours::{Neighbours, wall_gap};
 use crate::model::Model;
 use crate::state::State;
@@ -9,15 +9,6 @@ use crate::wall::{self, Bounds};
 
 /// Contacts below this share of the mean normal force are not counted: rattlers hover around zero.
 pub const FAINT: f64 = 1e-6;
-
-/// What a grain touches.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Other {
-    /// Another grain, in the solver's order.
-    Grain(u32),
-    /// A wall.
-    Wall(u8),
-}
 
 /// One contact.
 #[derive(Clone, Copy, Debug)]
@@ -32,6 +23,12 @@ pub struct Contact {
     pub force: f64,
     /// h \[m\].
     pub overlap: f64,
+    /// Q on grain i \[N\]; zero without friction.
+    pub shear: Vec3,
+    /// Couple on grain i along `normal` \[N m\].
+    pub torsion: f64,
+    /// Whether it slides.
+    pub slides: bool,
     /// From the other grain's centre, or the wall's plane, to the centre of grain i \[m\].
     pub distance: f64,
 }
@@ -43,6 +40,8 @@ pub struct Contacts {
     pub list: Vec<Contact>,
     /// Mean normal force of `list` \[N\].
     pub mean_force: f64,
+    /// Mean magnitude of the tangential forces of `list` \[N\].
+    pub mean_shear: f64,
 }
 
 impl Contacts {
@@ -64,6 +63,9 @@ impl Contacts {
                         second: Other::Grain(j as u32),
                         normal: branch / distance,
                         force: hertz::force(neighbours.modulus[k], overlap),
+                        shear: Vec3::zeros(),
+                        torsion: 0.0,
+                        slides: false,
                         overlap,
                         distance,
                     });
@@ -73,8 +75,27 @@ impl Contacts {
                 list.extend(wall_contact(model, neighbours, i, &at, wall, &bounds));
             }
         }
-        let mean_force = list.iter().map(|c| c.force).sum::<f64>() / list.len().max(1) as f64;
-        Self { list, mean_force }
+        let mut memory = state.memory.contacts.iter().peekable();
+        for contact in &mut list {
+            let key = (contact.first, contact.second);
+            while memory.next_if(|m| m.key() < key).is_some() {}
+            if let Some(load) = memory.next_if(|m| m.key() == key) {
+                contact.shear = load.shear;
+                contact.torsion = load.torsion;
+                contact.slides = load.slides;
+            }
+        }
+        let mean = |sum: f64| sum / list.len().max(1) as f64;
+        let mean_force = mean(list.iter().map(|c| c.force).sum());
+        let mean_shear = mean(list.iter().map(|c| c.shear.norm()).sum());
+        Self { list, mean_force, mean_shear }
+    }
+
+    /// Sliding contacts over all (T 3.6.2), of those that count.
+    #[must_use]
+    pub fn sliding_ratio(&self) -> f64 {
+        let sliding = self.counted().filter(|c| c.slides).count();
+        sliding as f64 / self.counted().count().max(1) as f64
     }
 
     /// Those that count: at least [`FAINT`] of the mean force.
@@ -102,6 +123,9 @@ fn wall_contact(
         second: Other::Wall(wall),
         normal,
         force: hertz::force(neighbours.wall_modulus[i], overlap),
+        shear: Vec3::zeros(),
+        torsion: 0.0,
+        slides: false,
         overlap,
         distance,
     })

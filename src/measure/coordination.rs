@@ -1,6 +1,7 @@
 //! Coordination numbers (T fig. 2.6).
 
-use crate::measure::contacts::{Contact, Other};
+use crate::contact::Other;
+use crate::measure::contacts::Contact;
 use crate::model::Model;
 use crate::state::State;
 

@@ -1,6 +1,7 @@
 //! The contact network as it is published: in the order of the pack file.
 
-use crate::measure::contacts::{Contact, Other};
+use crate::contact::Other;
+use crate::measure::contacts::Contact;
 use crate::model::Model;
 use crate::report::{ContactNetwork, ContactState};
 
@@ -29,8 +30,15 @@ pub fn network<'a>(model: &Model, counted: impl Iterator<Item = &'a Contact>) ->
         second: rows.iter().map(|row| row.1).collect(),
         normal: rows.iter().flat_map(|row| <[f64; 3]>::from(row.3.normal * row.2)).collect(),
         normal_force: rows.iter().map(|row| row.3.force).collect(),
-        tangential_force: vec![0.0; 3 * rows.len()],
+        tangential_force: rows
+            .iter()
+            .flat_map(|row| <[f64; 3]>::from(row.3.shear * row.2))
+            .collect(),
         overlap: rows.iter().map(|row| row.3.overlap).collect(),
-        state: vec![ContactState::Stick as u8; rows.len()],
+        state: rows.iter().map(|row| state(row.3) as u8).collect(),
     }
+}
+
+fn state(contact: &Contact) -> ContactState {
+    if contact.slides { ContactState::Slide } else { ContactState::Stick }
 }

@@ -2,7 +2,8 @@
 
 use std::f64::consts::PI;
 
-use crate::measure::contacts::{Contact, Other};
+use crate::contact::Other;
+use crate::measure::contacts::Contact;
 use crate::model::{Model, sphere_volume};
 use crate::wall::Bounds;
 

@@ -6,8 +6,8 @@ use crate::measure::contacts::Contact;
 use crate::report::WallForces;
 use crate::wall::Bounds;
 
-/// Stress from the wall forces on the current areas \[Pa\] (T 2.11). Smooth planar walls carry no
-/// shear, so what is off the diagonal is zero.
+/// Stress from the wall forces on the current areas \[Pa\] (T 2.11): entry (l, m) is the force
+/// along l on the walls across m, mean of both. Smooth walls leave zeros off the diagonal.
 #[must_use]
 pub fn from_walls(walls: &WallForces, bounds: &Bounds) -> Matrix3<f64> {
     let normal = |axis: usize| {
@@ -15,7 +15,11 @@ pub fn from_walls(walls: &WallForces, bounds: &Bounds) -> Matrix3<f64> {
         0.5 * (walls.normal_force[low] / bounds.area(low)
             + walls.normal_force[high] / bounds.area(high))
     };
-    Matrix3::from_diagonal(&nalgebra::Vector3::new(normal(0), normal(1), normal(2)))
+    let shear = |l: usize, m: usize| {
+        let [low, high] = [2 * m, 2 * m + 1];
+        0.5 * (walls.force[high][l] / bounds.area(high) - walls.force[low][l] / bounds.area(low))
+    };
+    Matrix3::from_fn(|l, m| if l == m { normal(m) } else { shear(l, m) })
 }
 
 /// Love-Weber stress \[Pa\]: T 2.13 with each grain-grain contact taken once (physics.md).
@@ -25,7 +29,7 @@ pub fn from_contacts(contacts: &[Contact], bounds: &Bounds) -> Matrix3<f64> {
     for contact in contacts {
         // r_ij between grains, n̂w (Ri - h) at a wall: either way along the normal.
         let branch = contact.normal * contact.distance;
-        sum += contact.normal * contact.force * branch.transpose();
+        sum += (contact.normal * contact.force + contact.shear) * branch.transpose();
     }
     sum / bounds.volume()
 }

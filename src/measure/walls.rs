@@ -3,11 +3,12 @@
 use crate::Vec3;
 use crate::contact::hertz;
 use crate::contact::neighbours::{Neighbours, wall_gap};
-use crate::measure::contacts::{Contact, Other};
+use crate::contact::Other;
+use crate::measure::contacts::Contact;
 use crate::model::Model;
 use crate::report::WallForces;
 use crate::state::State;
-use crate::wall;
+use crate::wall::{self, Bounds};
 
 /// Normal force on each wall \[N\] and nothing else; the neighbour list must hold the contacts.
 #[must_use]
@@ -37,10 +38,10 @@ pub fn forces(model: &Model, state: &State, contacts: &[Contact]) -> WallForces 
     for contact in contacts {
         if let Other::Wall(w) = contact.second {
             let w = usize::from(w);
-            let on_wall = -contact.normal * contact.force;
+            let on_wall = -contact.normal * contact.force - contact.shear;
             let at = state.position[contact.first as usize] - contact.normal * contact.distance;
             force[w] += on_wall;
-            moment[w] += (at - center).cross(&on_wall);
+            moment[w] += (at - center).cross(&on_wall) - contact.normal * contact.torsion;
             normal_force[w] += contact.force;
         }
     }
@@ -51,4 +52,20 @@ pub fn forces(model: &Model, state: &State, contacts: &[Contact]) -> WallForces 
         force: force.map(Into::into),
         moment: moment.map(Into::into),
     }
+}
+
+/// The couple of opposite walls about the pack's centre, as a pair of forces the box apart, over
+/// the normal force on them: the largest of the three pairs (T 3.5, HZ-13). It tells how much
+/// shear stress the normal stresses leave out.
+#[must_use]
+pub fn couple(walls: &WallForces, bounds: &Bounds) -> f64 {
+    let sides = bounds.sides();
+    (0..3)
+        .map(|axis| {
+            let [low, high] = [2 * axis, 2 * axis + 1];
+            let moment = Vec3::from(walls.moment[low]) + Vec3::from(walls.moment[high]);
+            let force = 0.5 * (walls.normal_force[low] + walls.normal_force[high]);
+            if force > 0.0 { moment.norm() / (sides[axis] * force) } else { 0.0 }
+        })
+        .fold(0.0, f64::max)
 }

@@ -5,6 +5,8 @@ mod file;
 
 use serde::{Deserialize, Serialize};
 
+use crate::wall;
+
 pub use file::history_file;
 pub(super) use file::{read, to_json};
 
@@ -57,4 +59,24 @@ impl History {
     pub fn sliding(&self) -> usize {
         self.contacts.iter().filter(|contact| contact.sliding).count()
     }
+}
+
+impl Layer {
+    /// The ring as the other body sees it, for `sign` -1.
+    #[must_use]
+    pub fn times(&self, sign: f64) -> Self {
+        Self { reach: self.reach, ratio: self.ratio.map(|d| d * sign) }
+    }
+}
+
+/// The index by which files and messages name wall `wall` among grains.
+#[must_use]
+pub fn wall_index(wall: u8) -> u32 {
+    u32::MAX - u32::from(wall)
+}
+
+/// The wall that `index` names; `None` for a grain.
+#[must_use]
+pub fn wall_of(index: u32) -> Option<u8> {
+    u8::try_from(u32::MAX - index).ok().filter(|&w| usize::from(w) < wall::COUNT)
 }

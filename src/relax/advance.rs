@@ -3,7 +3,9 @@
 use crate::Vec3;
 use crate::measure::walls;
 use crate::model::Model;
-use crate::relax::{Outcome, Workspace, relax};
+use crate::relax::tangential::Changes;
+use crate::relax::{Outcome, Status, Workspace, relax};
+use crate::scene::Update;
 use crate::state::State;
 use crate::wall;
 
@@ -14,6 +16,9 @@ const LEAST_SHARE: f64 = 0.01;
 const ROUNDING: f64 = 1e-9;
 /// Halvings of a sub-increment that finds no equilibrium.
 const HALVINGS: u32 = 6;
+/// Times that the limits of friction are renewed and the increment solved again: what is left
+/// stops falling by then (numerics.md).
+const RENEWALS: u32 = 3;
 
 /// What an increment came to.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +31,8 @@ pub struct Advance {
     pub iterations: u32,
     /// Inertial descents of all relaxations, each from a configuration that was unstable.
     pub descents: u32,
+    /// Contacts that opened and formed, and what is left of the error of freezing the limits.
+    pub changes: Changes,
 }
 
 /// Moves the walls of `state`, an equilibrium, to the displacement `target` \[m\] and relaxes.
@@ -41,7 +48,13 @@ pub fn advance(
 ) -> Advance {
     let start = state.clone();
     let mut last = state.clone();
-    let mut so_far = Advance { outcome: here, substeps: 0, iterations: 0, descents: 0 };
+    let mut so_far = Advance {
+        outcome: here,
+        substeps: 0,
+        iterations: 0,
+        descents: 0,
+        changes: Changes::default(),
+    };
     work.neighbours.refresh(model, &state.position, &state.bounds(model));
     let mut forces = walls::normal_forces(model, state, &work.neighbours);
     while state.displacement != *target || so_far.substeps == 0 {
@@ -50,8 +63,9 @@ pub fn advance(
         let mut share = 1.0 / parts;
         last.copy_from(state);
         for attempt in 0.. {
+            work.begin(model, state);
             move_walls(model, state, target, share);
-            let outcome = relax(model, state, work);
+            let outcome = solve(model, state, work);
             so_far.outcome = outcome;
             so_far.iterations += outcome.iterations;
             so_far.descents += outcome.descents;
@@ -66,6 +80,10 @@ pub fn advance(
             share *= 0.5;
         }
         so_far.substeps += 1;
+        let changes = work.commit(model, state);
+        so_far.changes.opened += changes.opened;
+        so_far.changes.formed += changes.formed;
+        so_far.changes.excess = so_far.changes.excess.max(changes.excess);
         let next = walls::normal_forces(model, state, &work.neighbours);
         for w in 0..wall::COUNT {
             let path = state.displacement[w] - last.displacement[w];
@@ -74,6 +92,24 @@ pub fn advance(
         forces = next;
     }
     so_far
+}
+
+/// Relaxes, and with friction up to date renews the limits and relaxes again.
+fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
+    let mut outcome = relax(model, state, work);
+    if model.friction.as_ref().is_some_and(|friction| friction.update == Update::Current) {
+        for _ in 0..RENEWALS {
+            if outcome.status != Status::Converged {
+                break;
+            }
+            work.reference.renew(model, state);
+            let (iterations, descents) = (outcome.iterations, outcome.descents);
+            outcome = relax(model, state, work);
+            outcome.iterations += iterations;
+            outcome.descents += descents;
+        }
+    }
+    outcome
 }
 
 /// Largest strain of an axis that is left, against the box at the start, a shift of the whole box counted as a strain too.

@@ -6,6 +6,7 @@ use crate::Vec3;
 use crate::contact::hertz;
 use crate::contact::neighbours::{Neighbours, wall_gap};
 use crate::model::Model;
+use crate::relax::tangential::{Reference, Traction};
 use crate::wall::{self, Bounds};
 
 /// Rows that are summed as one; the bits depend on it, the number of threads does not enter.
@@ -25,7 +26,7 @@ pub struct Link {
 /// Sums over the load-carrying contacts.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sums {
-    /// Π \[J\] (T 2.7).
+    /// Π \[J\] (T 2.7), without shear and torsion.
     pub energy: f64,
     /// Sum of the normal forces \[N\].
     pub force: f64,
@@ -79,6 +80,12 @@ pub struct Balance {
     pub links_in_row: Vec<u32>,
     /// Stiffness of the wall contacts along the axes, in units of the reference, shape (n).
     pub wall_stiffness: Vec<[f32; 3]>,
+    /// Gradient with respect to w = ΩR, -M/R of each grain \[N\], shape (n); empty without friction.
+    pub moment: Vec<Vec3>,
+    /// Answers of the contacts at the reference, in their order; empty without friction.
+    pub tractions: Vec<Traction>,
+    /// Sum of the potentials of shear and torsion \[J\].
+    pub shear_potential: f64,
     /// Totals.
     pub sums: Sums,
     /// Force on `second` of each link, negated \[N\], in the places of `links`.
@@ -97,6 +104,10 @@ pub struct Configuration<'a> {
     pub position: &'a [Vec3],
     /// Grains that take part.
     pub carries: &'a [bool],
+    /// Rotations \[rad\]; empty without friction.
+    pub rotation: &'a [Vec3],
+    /// Where shear and torsion are counted from.
+    pub reference: &'a Reference,
     /// The box.
     pub bounds: &'a Bounds,
     /// Stiffness \[N/m\] that the linearisation is scaled by.
@@ -141,6 +152,7 @@ impl Balance {
         }
         self.react(at.neighbours);
         self.weigh(at);
+        at.reference.evaluate(self, at);
     }
 
     /// Adds the reactions on the second grain of each contact, in the order of the list.
@@ -164,10 +176,17 @@ impl Balance {
         }
     }
 
-    /// Largest unbalanced force of a grain \[N\].
+    /// Largest unbalanced force of a grain, or moment over radius \[N\].
     #[must_use]
     pub fn largest(&self) -> f64 {
-        self.gradient.iter().map(Vec3::norm_squared).fold(0.0, f64::max).sqrt()
+        let all = self.gradient.iter().chain(&self.moment);
+        all.map(Vec3::norm_squared).fold(0.0, f64::max).sqrt()
+    }
+
+    /// What the search for the equilibrium descends \[J\].
+    #[must_use]
+    pub fn potential(&self) -> f64 {
+        self.sums.energy + self.shear_potential
     }
 }
 

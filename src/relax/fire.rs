@@ -15,7 +15,8 @@ use crate::wall;
 
 /// Positive-power steps before the time step may grow (Bitzek's N_min).
 const PATIENCE: u32 = 5;
-/// Mass of a grain over the reference stiffness: makes the time step a pure number.
+/// Mass of a grain over the reference stiffness: makes the time step a pure number. Rotations
+/// times radius have the same.
 const MASS: f64 = 4.0;
 /// Longest step of a grain over the mean radius, and of a side over itself.
 const LONGEST: (f64, f64) = (0.1, 1e-3);
@@ -40,7 +41,7 @@ pub fn descend(model: &Model, state: &mut State, work: &mut Workspace, goal: Goa
     state.carries.fill(true);
     let mut velocity = std::mem::take(&mut work.velocity);
     velocity.clear();
-    velocity.resize(model.len(), Vec3::zeros());
+    velocity.resize(model.len() + state.rotation.len(), Vec3::zeros());
     let status = run(model, state, work, goal, &mut velocity);
     work.velocity = velocity;
     status
@@ -59,10 +60,10 @@ fn run(
     let (mut dt, mut alpha, mut positive) = (0.1, 0.1, 0);
     for _ in 0..goal.steps {
         let bounds = state.bounds(model);
-        work.evaluate(model, &state.position, &state.carries, &bounds);
+        work.evaluate(model, state, &bounds);
         let sums = work.balance.sums;
-        let gradient = &work.balance.gradient;
-        let force2: f64 = gradient.iter().map(Vec3::norm_squared).sum();
+        let gradient = || work.balance.gradient.iter().chain(&work.balance.moment);
+        let force2: f64 = gradient().map(Vec3::norm_squared).sum();
         if !force2.is_finite() {
             return Status::NonFinite;
         }
@@ -76,14 +77,14 @@ fn run(
         }
         // With masses of one kind the mixing may use forces and velocities in natural units.
         let scale = mass / box_mass;
-        let grains = velocity.iter().zip(gradient).map(|(v, g)| -v.dot(g)).sum::<f64>();
+        let grains = velocity.iter().zip(gradient()).map(|(v, g)| -v.dot(g)).sum::<f64>();
         let power = grains + box_velocity.dot(&excess);
         if power > 0.0 {
             let speed2 = velocity.iter().map(Vec3::norm_squared).sum::<f64>()
                 + box_velocity.norm_squared() / scale;
             let force2 = force2 + excess.norm_squared() * scale;
             let mix = alpha * (speed2 / force2).sqrt();
-            for (v, g) in velocity.iter_mut().zip(gradient) {
+            for (v, g) in velocity.iter_mut().zip(gradient()) {
                 *v = *v * (1.0 - alpha) - g * mix;
             }
             box_velocity = box_velocity * (1.0 - alpha) + excess * (mix * scale);
@@ -98,13 +99,19 @@ fn run(
             (dt, alpha, positive) = (dt * 0.5, 0.1, 0);
         }
         let longest = LONGEST.0 * model.mean_radius / dt;
-        for ((at, v), g) in state.position.iter_mut().zip(velocity.iter_mut()).zip(gradient) {
+        for (v, g) in velocity.iter_mut().zip(gradient()) {
             *v -= g * (dt / mass);
             let speed = v.norm();
             if speed > longest {
                 *v *= longest / speed;
             }
-            *at += *v * dt;
+        }
+        let (moving, turning) = velocity.split_at(model.len());
+        for (at, v) in state.position.iter_mut().zip(moving) {
+            *at += v * dt;
+        }
+        for ((at, v), radius) in state.rotation.iter_mut().zip(turning).zip(&model.radius) {
+            *at += v * (dt / radius);
         }
         if goal.pressure.is_some() {
             let fastest = LONGEST.1 / dt;

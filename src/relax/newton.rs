@@ -2,9 +2,10 @@
 
 use crate::Vec3;
 use crate::model::Model;
-use crate::relax::balance::Configuration;
+use crate::relax::balance::{Balance, Configuration};
 use crate::relax::linear::Inner;
 use crate::relax::{Status, Workspace, rattlers};
+use crate::scene::Law;
 use crate::state::State;
 use crate::wall::Bounds;
 
@@ -44,7 +45,7 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
     work.shift.resize(model.len(), 0.0);
     let mut shifted = false;
     let mut in_a_row = 0;
-    work.evaluate(model, &state.position, &state.carries, &bounds);
+    work.evaluate(model, state, &bounds);
     loop {
         let sums = work.balance.sums;
         let largest = work.balance.largest();
@@ -72,7 +73,7 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
             return end(Status::MaxIterations);
         }
         iterations += 1;
-        work.linear.assemble(&work.balance, &work.neighbours);
+        work.assemble(model);
         let forcing = (0.3 * tolerance / residual).clamp(0.1, 0.5);
         match step(model, state, work, &bounds, forcing, largest) {
             Some(used) => shifted = used,
@@ -108,31 +109,31 @@ fn step(
     largest: f64,
 ) -> Option<bool> {
     let sums = work.balance.sums;
-    let unit = largest / work.reference_stiffness;
     // Without contacts (grains that fall) any positive stiffness will do.
     let bending = (2.0 * sums.bending / (model.len() as f64 * work.reference_stiffness)).max(1e-9);
     let first = (FIRST_SHIFT * bending) as f32;
     let cap = work.step_cap
         * if sums.contacts > 0 { sums.mean_overlap() } else { 0.1 * model.mean_radius };
     for _ in 0..MOST_SHIFTS {
-        work.linear.factorise(&work.shift);
-        let inner = work.linear.solve(&work.balance.gradient, largest, forcing, MOST_PRODUCTS);
+        let inner = work.solve(largest, forcing, MOST_PRODUCTS);
         if inner == Inner::NegativeCurvature {
             raise(&mut work.shift, first);
             continue;
         }
         let mut held_back = false;
-        for (i, shift) in work.shift.iter_mut().enumerate() {
-            if work.linear.step(i, unit).norm() > cap {
-                *shift = (4.0 * *shift).max(first);
-                held_back = true;
+        for steps in [&work.step, &work.turn] {
+            for (shift, step) in work.shift.iter_mut().zip(steps) {
+                if step.norm() > cap {
+                    *shift = (4.0 * *shift).max(first);
+                    held_back = true;
+                }
             }
         }
         if held_back {
             continue;
         }
         let shifted = work.shift.iter().any(|&shift| shift > 0.0);
-        let Some(whole) = search(model, state, work, bounds, unit) else {
+        let Some(whole) = search(model, state, work, bounds) else {
             raise(&mut work.shift, first);
             continue;
         };
@@ -156,45 +157,47 @@ fn raise(shifts: &mut [f32], first: f32) {
 }
 
 /// Backtracks along the step; says whether the whole step was taken, `None` when nothing descends.
-fn search(
-    model: &Model,
-    state: &mut State,
-    work: &mut Workspace,
-    bounds: &Bounds,
-    unit: f64,
-) -> Option<bool> {
-    let before = work.balance.sums.energy;
-    let slope: f64 =
-        (0..model.len()).map(|i| work.balance.gradient[i].dot(&work.linear.step(i, unit))).sum();
-    let square: f64 = work.balance.gradient.iter().map(Vec3::norm_squared).sum();
+fn search(model: &Model, state: &mut State, work: &mut Workspace, bounds: &Bounds) -> Option<bool> {
+    let before = work.balance.potential();
+    let slope = work.slope(&work.balance);
+    let square: f64 = square(&work.balance);
+    // Only the radial return has a potential whose gradient is the force. With friction the
+    // balance is taken in the current geometry and the potential follows it to the strain.
+    let (potential, flat) = match &model.friction {
+        None => (true, 1e-10),
+        Some(friction) => (friction.law == Law::ReturnMap, f64::INFINITY),
+    };
     let mut factor = 1.0;
     for _ in 0..=HALVINGS {
         work.trial.clear();
-        work.trial.extend(
-            (0..model.len()).map(|i| state.position[i] + work.linear.step(i, unit) * factor),
+        work.trial
+            .extend(state.position.iter().zip(&work.step).map(|(at, step)| at + step * factor));
+        work.trial_rotation.clear();
+        work.trial_rotation.extend(
+            (state.rotation.iter().zip(&work.turn).zip(&model.radius))
+                .map(|((at, turn), radius)| at + turn * (factor / radius)),
         );
         work.neighbours.refresh(model, &work.trial, bounds);
         work.trial_balance.evaluate(&Configuration {
             model,
             neighbours: &work.neighbours,
             position: &work.trial,
+            rotation: &work.trial_rotation,
+            reference: &work.reference,
             carries: &state.carries,
             bounds,
             reference_stiffness: work.reference_stiffness,
         });
         let after = &work.trial_balance;
-        let change = after.sums.energy - before;
-        let size = before.abs().max(after.sums.energy.abs());
-        let slope_after = || -> f64 {
-            (0..model.len()).map(|i| after.gradient[i].dot(&work.linear.step(i, unit))).sum()
-        };
-        let square_after = || after.gradient.iter().map(Vec3::norm_squared).sum::<f64>();
+        let change = after.potential() - before;
+        let size = before.abs().max(after.potential().abs());
         let accepted = slope < 0.0
-            && (change <= 1e-4 * factor * slope
-                || (change.abs() <= 1e-10 * size && slope_after().abs() <= 0.9 * slope.abs())
-                || (change.abs() <= 1e-13 * size && square_after() < square));
+            && ((potential && change <= 1e-4 * factor * slope)
+                || (change.abs() <= flat * size && work.slope(after).abs() <= 0.9 * slope.abs())
+                || (change.abs() <= 1e-13 * size && self::square(after) < square));
         if accepted {
             std::mem::swap(&mut state.position, &mut work.trial);
+            std::mem::swap(&mut state.rotation, &mut work.trial_rotation);
             std::mem::swap(&mut work.balance, &mut work.trial_balance);
             return Some(factor == 1.0);
         }
@@ -203,4 +206,9 @@ fn search(
     // The list may have been made for a trial that was refused.
     work.neighbours.refresh(model, &state.position, bounds);
     None
+}
+
+/// Sum of the squares of the unbalanced forces.
+fn square(balance: &Balance) -> f64 {
+    balance.gradient.iter().chain(&balance.moment).map(Vec3::norm_squared).sum()
 }

@@ -4,6 +4,7 @@
 mod site;
 
 use crate::Vec3;
+use crate::contact::Other;
 use crate::contact::neighbours::{Neighbours, wall_gap};
 use crate::model::Model;
 use crate::relax::{Workspace, newton};
@@ -82,19 +83,32 @@ fn overlap(model: &Model, position: &[Vec3], i: usize, j: usize) -> f64 {
 }
 
 /// Marks in `state.carries` the grains that are left when those with too few contacts are taken
-/// away, and then those that lost their support by it, and so on.
+/// away, and then those that lost their support by it, and so on. A contact that can carry shear
+/// counts twice: two of them hold a grain.
 pub fn find(model: &Model, state: &mut State, work: &mut Workspace) {
     let n = model.len();
     let bounds = state.bounds(model);
     let position = &state.position;
     work.neighbours.refresh(model, position, &bounds);
-    let Workspace { neighbours, rattlers, .. } = work;
+    let Workspace { neighbours, rattlers, reference, .. } = work;
     let least = FAINT * mean_overlap(model, position, &bounds, neighbours);
     rattlers.list(neighbours, n, |i, j| overlap(model, position, i, j) > least);
+    let holds = |i: u32, second: Other| u32::from(reference.holds(i, second, least));
     for (i, at) in position.iter().enumerate() {
         for &wall in neighbours.walls_near(i) {
             let gap = wall_gap(at, usize::from(wall), &bounds);
-            rattlers.degree[i] += u32::from(model.radius[i] - gap > least);
+            if model.radius[i] - gap > least {
+                rattlers.degree[i] += 1 + holds(i as u32, Other::Wall(wall));
+            }
+        }
+    }
+    for held in reference.contacts.iter().filter(|held| held.reference_overlap > least) {
+        if let Other::Grain(j) = held.second {
+            let (i, j) = (held.first as usize, j as usize);
+            if overlap(model, position, i, j) > least {
+                rattlers.degree[i] += 1;
+                rattlers.degree[j] += 1;
+            }
         }
     }
     let needed = model.contacts_to_carry();
@@ -108,7 +122,7 @@ pub fn find(model: &Model, state: &mut State, work: &mut Workspace) {
     while let Some(i) = rattlers.stack.pop() {
         for k in rattlers.start[i as usize]..rattlers.start[i as usize + 1] {
             let j = rattlers.near[k as usize].0 as usize;
-            rattlers.degree[j] -= 1;
+            rattlers.degree[j] -= 1 + holds(i, Other::Grain(j as u32));
             if state.carries[j] && rattlers.degree[j] < needed {
                 state.carries[j] = false;
                 rattlers.stack.push(j as u32);
@@ -192,7 +206,7 @@ pub fn settle(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
 /// or to float where their weight is negligible among the contact forces.
 pub fn release(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
     let tolerance = model.solver.tolerance;
-    let Workspace { neighbours, balance, support, .. } = work;
+    let Workspace { neighbours, balance, support, reference, .. } = work;
     support.clear();
     support.resize(model.len(), 0);
     for i in 0..model.len() {
@@ -204,13 +218,24 @@ pub fn release(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
         }
         support[i] += balance.wall_stiffness[i].iter().filter(|&&k| k > 0.0).count() as u32;
     }
+    for (held, traction) in reference.contacts.iter().zip(&balance.tractions) {
+        if traction.live && !traction.shear.slides {
+            support[held.first as usize] += 1;
+            if let Other::Grain(j) = held.second {
+                support[j as usize] += 1;
+            }
+        }
+    }
     let needed = model.contacts_to_carry();
     let mean_force = balance.sums.mean_force();
-    let unbalanced =
-        |i: usize| newton::residual(model, balance.gradient[i].norm(), mean_force) > tolerance;
+    let force = |i: usize| {
+        let moment = balance.moment.get(i).map_or(0.0, Vec3::norm);
+        balance.gradient[i].norm().max(moment)
+    };
+    let unbalanced = |i: usize| newton::residual(model, force(i), mean_force) > tolerance;
     let loose = |i: usize| {
         let light = !weighs(model, i, mean_force);
-        support[i] < needed || light && balance.gradient[i].norm() <= 2.0 * model.weight[i].norm()
+        support[i] < needed || light && force(i) <= 2.0 * model.weight[i].norm()
     };
     let rest = (0..model.len()).filter(|&i| unbalanced(i)).all(loose);
     if rest {

@@ -1,6 +1,6 @@
 //! What a contact history must keep to, whoever made it.
 
-use super::{ContactMemory, History, Layer};
+use super::{ContactMemory, History, Layer, wall_index, wall_of};
 use crate::wall;
 
 /// Most contacts a grain on average; spheres of one size have 6.
@@ -49,13 +49,12 @@ impl ContactMemory {
         if first as usize > last {
             return Err(format!(".first: {first}; allowed: a grain, 0 to {last}"));
         }
-        let lowest_wall = u32::MAX - (wall::COUNT as u32 - 1);
         let is_grain = first < second && second as usize <= last;
-        if !is_grain && second < lowest_wall {
+        if !is_grain && wall_of(second).is_none() {
+            let [low, high] = [wall::COUNT as u8 - 1, 0].map(wall_index);
             return Err(format!(
                 ".second: {second}; allowed: a grain above first = {first} and up to {last}, or \
-                 {lowest_wall} to {} for a wall",
-                u32::MAX
+                 {low} to {high} for a wall"
             ));
         }
         finite(&self.shear).map_err(|fault| format!(".shear{fault}"))?;
