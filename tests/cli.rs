@@ -282,9 +282,9 @@ fn a_prepared_pack_is_told_step_by_step_and_runs_from_where_it_was_left() {
 
     let (code, stdout, stderr) = ended(&mut graintwin(&["generate", &scene, "--out", &out]));
     assert_eq!((code, stderr.as_str()), (0, ""));
-    assert!(stdout.contains("step 1          strain 0, 5.000 MPa confining"), "{stdout}");
+    assert!(stdout.contains("step 1          5.000 MPa confining, without friction\n"), "{stdout}");
     let told = stdout.lines().find(|line| line.starts_with("step 2")).unwrap();
-    let told: f64 = told.split(' ').rev().nth(5).unwrap().parse().unwrap();
+    let told: f64 = told.split_whitespace().nth(2).unwrap().parse().unwrap();
     assert!(told > 5.0, "{stdout}");
 
     let stress = |json: &str| {
@@ -318,8 +318,8 @@ fn exit_1_for_a_preparation_that_does_not_settle() {
 }
 
 #[test]
-fn the_history_of_a_pack_is_checked_and_told_and_its_loss_by_a_cut_as_well() {
-    let bead = Bead::new("");
+fn the_history_of_a_pack_is_checked_and_told_and_its_loss_as_well() {
+    let bead = Bead::new("contact: {friction: {}}");
     let json = r#"{"box": {"min": [-1, -1, -1], "max": [1, 1, 1]}, "history": "h.json"}"#;
     fs::write(bead.path("bead.json"), json).unwrap();
     let history = r#"{"rotations": [[0, 0, 0]], "contacts": [{"first": 0, "second": 4294967295,
@@ -331,12 +331,16 @@ fn the_history_of_a_pack_is_checked_and_told_and_its_loss_by_a_cut_as_well() {
         assert!(stdout.contains("history         1 contacts, of which 1 slide"), "{stdout}");
     }
     let scene = fs::read_to_string(bead.path("scene.yaml")).unwrap();
-    let cut = "  cut: {min: [-1, -1, -1], max: [1, 1, 1]}\n";
-    fs::write(bead.path("cut.yaml"), format!("{scene}{cut}")).unwrap();
+    let cut = "  cut: {min: [-1, -1, -1], max: [1, 1, 1]}\ncontact:";
+    fs::write(bead.path("cut.yaml"), scene.replace("contact:", cut)).unwrap();
     let (code, stdout, stderr) = ended(&mut graintwin(&["check", &bead.text("cut.yaml")]));
     assert_eq!(code, 0);
     assert!(stderr.contains("pack.cut drops the history"), "{stderr}");
     assert!(stdout.contains("history         none"), "{stdout}");
+    fs::write(bead.path("smooth.yaml"), scene.replace("friction: {}", "friction: none")).unwrap();
+    let (code, _, stderr) = ended(&mut graintwin(&["check", &bead.text("smooth.yaml")]));
+    assert_eq!(code, 0);
+    assert!(stderr.contains("bead.csv: the history of the pack is not used"), "{stderr}");
 
     fs::write(bead.path("h.json"), history.replace("4294967295", "1")).unwrap();
     for file in ["bead.csv", "scene.yaml"] {

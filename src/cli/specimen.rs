@@ -51,11 +51,14 @@ pub(super) fn build(
 
 fn now(reached: &Reached) -> String {
     let Reached { strain, confining_stress, sliding_ratio, .. } = *reached;
-    format!(
-        "strain {}, {} MPa confining, sliding ratio {sliding_ratio:.4}",
-        significant(strain, 4),
-        significant(confining_stress * 1e-6, 4),
-    )
+    let stress = significant(confining_stress * 1e-6, 4);
+    match strain {
+        None => format!("{stress} MPa confining, without friction"),
+        Some(strain) => format!(
+            "{stress} MPa confining, strain {}, sliding ratio {sliding_ratio:.4}",
+            significant(strain, 4)
+        ),
+    }
 }
 
 /// What the preparation of a pack reached, a line a step.

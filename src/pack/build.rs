@@ -8,7 +8,7 @@ use rand_pcg::Pcg64;
 use super::generate::generate;
 use super::prepare::prepare;
 use super::{Constants, Grain, Pack, PackError, PackFile, PackRow, properties, read};
-use crate::scene::{Generate, Loaded, Material, Scene};
+use crate::scene::{Friction, Generate, Loaded, Material, Scene};
 use crate::table::TableError;
 
 /// The pack of a scene: made or read, cut, and prepared.
@@ -62,6 +62,12 @@ fn from_file(loaded: &Loaded, file: &Path) -> Result<Pack, PackError> {
     let grain = |row: &PackRow| grain(&file, row, scene, &mut rng);
     let grains = file.rows.iter().map(grain).collect::<Result<_, _>>()?;
     let history = file.read_history()?;
+    if history.is_some() && scene.contact.friction == Friction::None {
+        tracing::warn!(
+            "{}: the history of the pack is not used: `contact.friction` is none",
+            file.file.display()
+        );
+    }
     Ok(Pack { bounds, grains, history })
 }
 

@@ -21,8 +21,8 @@ const STATE: Demand = Demand { state: true, moduli: false, contact_network: fals
 pub struct Reached {
     /// Index of the step in `pack.prepare`.
     pub step: usize,
-    /// Strain of the step so far, of the box at its start; 0 for an isotropic step.
-    pub strain: f64,
+    /// Strain of the step so far, of the box at its start; `None` for an isotropic step.
+    pub strain: Option<f64>,
     /// Mean normal stress \[Pa\]; that asked for of an isotropic step.
     pub confining_stress: f64,
     /// Sliding contacts over all contacts.
@@ -106,7 +106,7 @@ fn isotropic(
     let confining_stress = step.confining_stress;
     let pack = compact(pack, confining_stress, &scene.walls, scene.solver)
         .map_err(|source| PrepareError::Isotropic { step: index, source })?;
-    watch(&Reached { step: index, strain: 0.0, confining_stress, sliding_ratio: 0.0 });
+    watch(&Reached { step: index, strain: None, confining_stress, sliding_ratio: 0.0 });
     Ok(pack)
 }
 
@@ -215,7 +215,7 @@ impl<'a> Rig<'a> {
         };
         let PackState { confining_stress, sliding_ratio, .. } = state;
         self.ratio = sliding_ratio;
-        (self.watch)(&Reached { step, strain, confining_stress, sliding_ratio });
+        (self.watch)(&Reached { step, strain: Some(strain), confining_stress, sliding_ratio });
         Ok(sliding_ratio)
     }
 }
