@@ -4,6 +4,7 @@ pub mod coulomb;
 pub mod hertz;
 pub mod mindlin;
 pub mod neighbours;
+pub mod partial_slip;
 
 /// What a grain touches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
