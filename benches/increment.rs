@@ -17,7 +17,7 @@ use graintwin::relax::Workspace;
 use graintwin::relax::advance::{Advance, advance};
 use graintwin::relax::relax;
 use graintwin::report::Demand;
-use graintwin::scene::{self, Loaded, Solver, Walls};
+use graintwin::scene::{self, Coulomb, Friction, Law, Loaded, Scene, Solver, Update, Walls};
 use graintwin::state::State;
 use graintwin::twin::Twin;
 
@@ -31,6 +31,7 @@ fn main() {
         let job = scene::load(&root.join("tests/data/g2740.yaml")).expect("it is shipped");
         let pack = pack::build(&job).expect("the benchmark pack is in tests/data");
         ten_increments(&pack, &reference(root));
+        with_friction(&job.scene, &pack);
         let log = scene::load(&root.join("launch_configs/rig_log.yaml")).expect("it is shipped");
         main_job(&log);
     });
@@ -81,6 +82,61 @@ fn ten_increments(pack: &Pack, reference: &[f64]) {
             median(&products),
         );
     }
+}
+
+/// The ten increments for each law of friction, from no shear.
+fn with_friction(scene: &Scene, pack: &Pack) {
+    println!("\nthe same with friction, tolerance 1e-8");
+    println!("law                   median ms   mean ms  Newton steps  products      F_z [N]");
+    for (name, friction) in [
+        ("none", Friction::None),
+        ("return_map, mu 1e-30", coulomb(1e-30, Law::ReturnMap, Update::Frozen)),
+        ("return_map, mu 0.3", coulomb(0.3, Law::ReturnMap, Update::Frozen)),
+        ("  update: current", coulomb(0.3, Law::ReturnMap, Update::Current)),
+        ("secant, mu 0.3", coulomb(0.3, Law::Secant, Update::Frozen)),
+    ] {
+        let mut scene = scene.clone();
+        scene.contact.friction = friction;
+        let mut pack = pack.clone();
+        for grain in &mut pack.grains {
+            grain.friction = friction.coefficient();
+        }
+        let model = Model::new(&pack, &scene);
+        let mut times = vec![f64::INFINITY; 10];
+        let (mut steps, mut products, mut force) = (Vec::new(), Vec::new(), 0.0);
+        for _ in 0..ROUNDS {
+            let mut state = State::new(&model);
+            let mut work = Workspace::new(&model);
+            work.start(&model, &state);
+            let mut outcome = relax(&model, &mut state, &mut work);
+            work.commit(&model, &mut state);
+            (steps, products) = (Vec::new(), Vec::new());
+            for (k, time) in times.iter_mut().enumerate() {
+                let travel = 0.5e-4 * (k + 1) as f64 * model.start.sides()[2];
+                let target = [0.0, 0.0, 0.0, 0.0, travel, travel];
+                let before = work.linear.products + work.coupled.products;
+                let start = Instant::now();
+                let done = advance(&model, &mut state, &mut work, &target, outcome);
+                *time = time.min(start.elapsed().as_secs_f64() * 1e3);
+                outcome = done.outcome;
+                steps.push(f64::from(done.iterations));
+                products.push((work.linear.products + work.coupled.products - before) as f64);
+            }
+            let contacts = Contacts::of(&model, &state, &work.neighbours);
+            force = walls::forces(&model, &state, &contacts.list).normal_force[5];
+        }
+        println!(
+            "{name:<20}  {:9.1} {:9.1}  {:12.0}  {:8.0}  {force:9.4}",
+            median(&times),
+            times.iter().sum::<f64>() / times.len() as f64,
+            median(&steps),
+            median(&products),
+        );
+    }
+}
+
+fn coulomb(coefficient: f64, law: Law, update: Update) -> Friction {
+    Friction::Coulomb(Coulomb { coefficient, law, update })
 }
 
 fn main_job(log: &Loaded) {

@@ -11,6 +11,9 @@ use crate::wall::Bounds;
 
 /// First shift of a grain, and the one below which it is dropped, over the sum of P/r of a grain.
 const FIRST_SHIFT: f64 = 0.02;
+/// First shift of a grain that is held back, over [`FIRST_SHIFT`], and by what whole steps divide
+/// the shifts: without friction and with it.
+const HELD: [(f32, f32); 2] = [(1.0, 4.0), (100.0, 8.0)];
 /// Shifted steps in a row after which the configuration counts as unstable.
 const MOST_SHIFTED: u32 = 40;
 /// Steps between two looks for grains that nothing holds.
@@ -112,6 +115,7 @@ fn step(
     // Without contacts (grains that fall) any positive stiffness will do.
     let bending = (2.0 * sums.bending / (model.len() as f64 * work.reference_stiffness)).max(1e-9);
     let first = (FIRST_SHIFT * bending) as f32;
+    let (held, relief) = HELD[usize::from(work.reference.active)];
     let cap = work.step_cap
         * if sums.contacts > 0 { sums.mean_overlap() } else { 0.1 * model.mean_radius };
     for _ in 0..MOST_SHIFTS {
@@ -124,7 +128,7 @@ fn step(
         for steps in [&work.step, &work.turn] {
             for (shift, step) in work.shift.iter_mut().zip(steps) {
                 if step.norm() > cap {
-                    *shift = (4.0 * *shift).max(first);
+                    *shift = (4.0 * *shift).max(held * first);
                     held_back = true;
                 }
             }
@@ -141,7 +145,7 @@ fn step(
             *shift = match () {
                 () if !whole => *shift,
                 () if *shift <= first => 0.0,
-                () => *shift / 4.0,
+                () => *shift / relief,
             };
         }
         return Some(shifted);

@@ -340,7 +340,8 @@ impl Reference {
     ) -> Changes {
         let Some(friction) = &model.friction else { return Changes::default() };
         memory.clear();
-        let mut changes = Changes { formed: self.formed(model, friction, balance, near), ..Changes::default() };
+        let formed = self.formed(model, friction, state, near);
+        let mut changes = Changes { formed, ..Changes::default() };
         let mut ledger = state.friction;
         ledger.stored = 0.0;
         for (held, traction) in self.contacts.iter().zip(&balance.tractions) {
@@ -386,8 +387,9 @@ impl Reference {
         self.contacts.iter().map(|held| held.carried_energy).sum()
     }
 
-    /// How many contacts that could slip touch in `balance` but not at the reference.
-    fn formed(&self, model: &Model, friction: &Friction, at: &Balance, near: &Neighbours) -> u32 {
+    /// How many contacts that could slip touch in `state` but not at the reference.
+    fn formed(&self, model: &Model, friction: &Friction, state: &State, near: &Neighbours) -> u32 {
+        let bounds = state.bounds(model);
         let mut held = self.contacts.iter().map(|held| (held.first, held.second)).peekable();
         let mut formed = 0;
         let mut count = |first: usize, second: Other| {
@@ -396,13 +398,16 @@ impl Reference {
             let new = held.next_if_eq(&key).is_none();
             formed += u32::from(new && Pair::of(model, friction, key.0, second).friction > 0.0);
         };
-        for i in 0..at.gradient.len() {
-            let first = near.row(i).start;
-            for link in &at.links[first..first + at.links_in_row[i] as usize] {
-                count(i, Other::Grain(link.second));
+        for (i, at) in state.position.iter().enumerate().filter(|(i, _)| state.carries[*i]) {
+            for &j in &near.second[near.row(i)] {
+                let reach = model.radius[i] + model.radius[j as usize];
+                let apart = (at - state.position[j as usize]).norm_squared();
+                if state.carries[j as usize] && apart < reach * reach {
+                    count(i, Other::Grain(j));
+                }
             }
             for &w in near.walls_near(i) {
-                if at.wall_stiffness[i][wall::axis(usize::from(w))] > 0.0 {
+                if wall_gap(at, usize::from(w), &bounds) < model.radius[i] {
                     count(i, Other::Wall(w));
                 }
             }
