@@ -53,6 +53,7 @@ fn record(
         scene: String::new(),
         pack_csv: Vec::new(),
         pack_json: Vec::new(),
+        pack_history: None,
         threads: 1,
     };
     let mut recorder = Recorder::create(&parent.path().join("bag"), settings, &provenance)?;

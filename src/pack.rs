@@ -1,21 +1,24 @@
 //! The specimen: grains with their properties, and the box they are in.
 
+mod beside;
 mod build;
 mod coincident;
 mod csv;
 mod error;
 pub mod generate;
 mod history;
+pub mod prepare;
 pub mod properties;
-
-use std::path::{Path, PathBuf};
+mod save;
 
 use crate::wall::Bounds;
 
-pub use build::build;
-pub use csv::{Columns, Constants, PackFile, PackRow, box_json, read, save, to_csv};
+pub use beside::box_file;
+pub use build::{build, unprepared};
+pub use csv::{Columns, Constants, PackFile, PackRow, read};
 pub use error::PackError;
-pub use history::{ContactMemory, History, Layer, wall_index, wall_of};
+pub use history::{ContactMemory, History, Layer, history_file, wall_index, wall_of};
+pub use save::{Texts, save, texts};
 
 /// One grain's constants and position.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +33,7 @@ pub struct Grain {
     pub poisson: f64,
     /// Density ρ \[kg/m³\].
     pub density: f64,
-    /// Coefficient of friction μ.
+    /// Coefficient of friction μ, 0 to infinite.
     pub friction: f64,
 }
 
@@ -46,7 +49,8 @@ pub struct Pack {
 }
 
 impl Pack {
-    /// The grains that lie wholly inside `bounds`, which becomes the box (HZ-15). None may be left.
+    /// The grains that lie wholly inside `bounds`, which becomes the box (HZ-15), without history.
+    /// None may be left.
     #[must_use]
     pub fn cut(&self, bounds: &Bounds) -> Self {
         let inside = |grain: &&Grain| {
@@ -58,10 +62,4 @@ impl Pack {
         let grains = self.grains.iter().filter(inside).copied().collect();
         Self { bounds: *bounds, grains, history: None }
     }
-}
-
-/// The file with the box of a pack: `PACK.json` beside `PACK.csv`.
-#[must_use]
-pub fn box_file(csv: &Path) -> PathBuf {
-    csv.with_extension("json")
 }

@@ -47,6 +47,9 @@ pub const FLUSH_AFTER: Duration = Duration::from_millis(200);
 /// would only hold memory, a network of 10^6 contacts being 73 MB.
 const QUEUE: usize = 8;
 
+/// Name of the attachment with the pack's history.
+pub const HISTORY: &str = "pack.history.json";
+
 /// What made a recording, so that it can be made again.
 #[derive(Clone, Debug)]
 pub struct Provenance {
@@ -56,6 +59,8 @@ pub struct Provenance {
     pub pack_csv: Vec<u8>,
     /// The pack's box, in the form of the JSON beside that CSV.
     pub pack_json: Vec<u8>,
+    /// The pack's history when it has one, in the form of the file that this JSON names [`HISTORY`].
+    pub pack_history: Option<Vec<u8>>,
     /// Threads of the twin.
     pub threads: usize,
 }

@@ -13,6 +13,7 @@ mod material;
 mod node;
 mod outputs;
 mod pack;
+pub mod prepare;
 mod record;
 mod rig_log;
 mod solver;
@@ -122,6 +123,7 @@ impl Scene {
         }
         self.walls.check(&at.key("walls"), problems);
         self.pack.check(&at.key("pack"), &self.materials, problems);
+        prepare::check(&self.pack.prepare, &at.key("pack").key("prepare"), &self.contact, problems);
         self.contact.check(&at.key("contact"), problems);
         problems.finite(&at.key("gravity"), &self.gravity);
         if let Some(reference) = &self.reference {

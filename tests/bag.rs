@@ -198,6 +198,7 @@ fn two_independent_readers_find_every_field_of_every_message() {
             "scene.yaml": provenance.scene,
             "pack.csv": String::from_utf8(provenance.pack_csv).unwrap(),
             "pack.json": String::from_utf8(provenance.pack_json).unwrap(),
+            "pack.history.json": String::from_utf8(provenance.pack_history.unwrap()).unwrap(),
         })
     );
     let program = &said["program"];
@@ -213,8 +214,8 @@ fn attachments_and_metadata_stand_before_the_first_chunk() {
     let kinds: Vec<_> =
         said["kinds"].as_array().unwrap().iter().map(|one| one.as_str().unwrap()).collect();
     assert_eq!(
-        kinds[..6],
-        ["Header", "Attachment", "Attachment", "Attachment", "Metadata", "Chunk"]
+        kinds[..7],
+        ["Header", "Attachment", "Attachment", "Attachment", "Attachment", "Metadata", "Chunk"]
     );
 }
 

@@ -79,7 +79,7 @@ fn a_whole_bag_says_what_is_in_it_and_gives_its_commands_back() {
         let (first, last) = survey.times.unwrap();
         assert!(first < last);
         let names: Vec<_> = survey.attachments.iter().map(|one| one.name.as_str()).collect();
-        assert_eq!(names, ["scene.yaml", "pack.csv", "pack.json"]);
+        assert_eq!(names, ["scene.yaml", "pack.csv", "pack.json", "pack.history.json"]);
         assert_eq!(survey.metadata["graintwin"]["threads"], "2");
         let found: Vec<_> = commands(path).into_iter().map(Result::unwrap).collect();
         assert_eq!(found, sent(&answers));
@@ -333,7 +333,7 @@ fn a_killed_process_leaves_every_answer_that_was_flushed() {
     assert!(damage.contains("the file ends in the middle of a record"), "{damage}");
     assert!(damage.contains(&format!("; {} messages before", survey.messages())), "{damage}");
     assert_eq!(survey.topics["/graintwin/boundary_command"].messages, 7);
-    assert_eq!(survey.attachments.len(), 3);
+    assert_eq!(survey.attachments.len(), 4);
 }
 
 #[test]

@@ -267,6 +267,90 @@ fn a_generated_pack_is_stored_checked_and_run() {
 }
 
 #[test]
+fn a_prepared_pack_is_told_step_by_step_and_runs_from_where_it_was_left() {
+    let bead = Bead::new("");
+    let source = "generate: {grains: 40, radius: {constant: 1e-4}, material: glass, \
+                  confining_stress: 1e6}";
+    let steps = "[isotropic: {confining_stress: 5e6}, uniaxial: {strain: 2e-4}]";
+    fs::write(bead.path("scene.yaml"), format!("pack: {{{source}, prepare: {steps}}}")).unwrap();
+    let (scene, out) = (bead.text("scene.yaml"), bead.text("beads.csv"));
+
+    let (code, stdout, stderr) = ended(&mut graintwin(&["check", &scene]));
+    assert_eq!((code, stderr.as_str()), (0, ""));
+    assert!(stdout.contains("step 1          to 5.000 MPa without friction"), "{stdout}");
+    assert!(stdout.contains("step 2          uniaxial, a strain of 0.0002"), "{stdout}");
+
+    let (code, stdout, stderr) = ended(&mut graintwin(&["generate", &scene, "--out", &out]));
+    assert_eq!((code, stderr.as_str()), (0, ""));
+    assert!(stdout.contains("step 1          5.000 MPa confining, without friction\n"), "{stdout}");
+    let told = stdout.lines().find(|line| line.starts_with("step 2")).unwrap();
+    let told: f64 = told.split_whitespace().nth(2).unwrap().parse().unwrap();
+    assert!(told > 5.0, "{stdout}");
+
+    let stress = |json: &str| {
+        let json: Value = serde_json::from_str(json).unwrap();
+        json["start"]["state"]["confining_stress"].as_f64().unwrap()
+    };
+    let (code, whole, _) = bead.run(&["--json"]);
+    assert_eq!(code, 0);
+    fs::write(bead.path("scene.yaml"), "pack: {file: beads.csv}\n").unwrap();
+    let (code, loaded, _) = bead.run(&["--json"]);
+    assert_eq!(code, 0);
+    assert_eq!(stress(&whole).to_bits(), stress(&loaded).to_bits());
+    assert!((stress(&whole) * 1e-6 - told).abs() < 1e-3, "{whole}");
+}
+
+#[test]
+fn exit_1_for_a_preparation_that_does_not_settle() {
+    // Infinite friction: no contact ever slides.
+    let bead = Bead::new("contact: {friction: {coefficient: .inf}}");
+    let scene = fs::read_to_string(bead.path("scene.yaml")).unwrap();
+    let steps = "  prepare: [uniaxial: {window: 1, max_strain: 2e-4}]\ncontact:";
+    fs::write(bead.path("scene.yaml"), scene.replace("contact:", steps)).unwrap();
+    let (code, stdout, stderr) = bead.run(&[]);
+    assert_eq!((code, stdout.as_str()), (1, ""), "{stderr}");
+    assert_eq!(
+        stderr,
+        "error: pack.prepare[0].uniaxial: not steady at max_strain = 0.0002: the sliding ratio is \
+         0.0000 and changed by 0.0000 over the last 1 increments; allowed: above 0 and less than \
+         steady = 0.005, so take a larger max_strain or steady\n"
+    );
+}
+
+#[test]
+fn the_history_of_a_pack_is_checked_and_told_and_its_loss_as_well() {
+    let bead = Bead::new("contact: {friction: {}}");
+    let json = r#"{"box": {"min": [-1, -1, -1], "max": [1, 1, 1]}, "history": "h.json"}"#;
+    fs::write(bead.path("bead.json"), json).unwrap();
+    let history = r#"{"rotations": [[0, 0, 0]], "contacts": [{"first": 0, "second": 4294967295,
+        "shear": [0, 1, 0], "torsion": 0, "sliding": true}]}"#;
+    fs::write(bead.path("h.json"), history).unwrap();
+    for file in ["bead.csv", "scene.yaml"] {
+        let (code, stdout, stderr) = ended(&mut graintwin(&["check", &bead.text(file)]));
+        assert_eq!((code, stderr.as_str()), (0, ""));
+        assert!(stdout.contains("history         1 contacts, of which 1 slide"), "{stdout}");
+    }
+    let scene = fs::read_to_string(bead.path("scene.yaml")).unwrap();
+    let cut = "  cut: {min: [-1, -1, -1], max: [1, 1, 1]}\ncontact:";
+    fs::write(bead.path("cut.yaml"), scene.replace("contact:", cut)).unwrap();
+    let (code, stdout, stderr) = ended(&mut graintwin(&["check", &bead.text("cut.yaml")]));
+    assert_eq!(code, 0);
+    assert!(stderr.contains("pack.cut drops the history"), "{stderr}");
+    assert!(stdout.contains("history         none"), "{stdout}");
+    fs::write(bead.path("smooth.yaml"), scene.replace("friction: {}", "friction: none")).unwrap();
+    let (code, _, stderr) = ended(&mut graintwin(&["check", &bead.text("smooth.yaml")]));
+    assert_eq!(code, 0);
+    assert!(stderr.contains("bead.csv: the history of the pack is not used"), "{stderr}");
+
+    fs::write(bead.path("h.json"), history.replace("4294967295", "1")).unwrap();
+    for file in ["bead.csv", "scene.yaml"] {
+        let (code, stdout, stderr) = ended(&mut graintwin(&["check", &bead.text(file)]));
+        assert_eq!((code, stdout.as_str()), (2, ""));
+        assert!(stderr.contains("h.json: contacts[0].second: 1; allowed: a grain"), "{stderr}");
+    }
+}
+
+#[test]
 fn the_printed_scene_is_a_scene_with_the_same_defaults() {
     let bead = Bead::new("load_path: {uniaxial: {strain: 1e-4, increments: 2}}");
     let scene = bead.text("scene.yaml");

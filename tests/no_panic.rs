@@ -59,7 +59,8 @@ walls: {young: 7e12, poisson: 0.495, friction: 0.3}
 pack:
   generate: {grains: 9, radius: {uniform: [1e-4, 2e-4]}, material: m, confining_stress: 1e6}
   cut: {min: [-1, -1, -1], max: [1, 1, 1]}
-contact: {normal: hertz, friction: none, torsion: true}
+  prepare: [isotropic: {confining_stress: 1e6}, uniaxial: {axis: x, steady: 0.1, max_strain: 0.1}]
+contact: {normal: hertz, friction: {coefficient: .inf, law: secant}, torsion: true}
 load_path:
   - isotropic: {strain: 1e-3, increments: 2, moving: both}
   - repeat: {times: 2, steps: [unload: {to: 0.5, increments: 1}]}
@@ -99,6 +100,32 @@ proptest! {
         };
         match pack::build(&scene) {
             Ok(pack) => prop_assert!(!pack.grains.is_empty()),
+            Err(error) => prop_assert!(error.to_string().starts_with(&name), "{error}"),
+        }
+    }
+
+    #[test]
+    fn a_damaged_contact_history(json in damaged(
+        "{\"rotations\": [[0, -1e-3, 0.0], [0, 0, 0]], \"contacts\": [{\"first\": 0, \"second\": 1, \
+         \"shear\": [1, 0, 0], \"torsion\": -0.5, \"sliding\": true, \"layers\": [{\"reach\": 1, \
+         \"ratio\": [0.5, 0, 0]}]}, {\"first\": 1, \"second\": 4294967295, \"shear\": [0, 0, 0], \
+         \"torsion\": 0, \"sliding\": false}]}",
+    )) {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("p.csv");
+        fs::write(&file, "x,y,z,radius\n0,0,0,1e-4\n1e-4,0,0,1e-4\n").unwrap();
+        fs::write(folder.path().join("p.json"), "{\"history\": \"h.json\"}").unwrap();
+        fs::write(folder.path().join("h.json"), json).unwrap();
+        let name = folder.path().join("h.json").display().to_string();
+        match pack::read(&file).unwrap().read_history() {
+            Ok(history) => {
+                let history = history.unwrap();
+                prop_assert_eq!(history.rotation.len(), 2);
+                for contact in &history.contacts {
+                    prop_assert!(contact.first < 2 && contact.first < contact.second);
+                    prop_assert!(contact.shear.iter().all(|force| force.is_finite()));
+                }
+            }
             Err(error) => prop_assert!(error.to_string().starts_with(&name), "{error}"),
         }
     }

@@ -63,7 +63,8 @@ fn any_grain() -> impl Strategy<Value = Grain> {
     let other = || prop_oneof![-1.0..1.0, Just(0.0), Just(-0.0)];
     let position = (-1.0..1.0, other(), other()).prop_map(|(x, y, z)| [x, y, z]);
     let size = -300.0..-1.0_f64;
-    (position, size, 0.0..300.0_f64, -0.999..0.499, 0.0..20.0_f64, 0.0..5.0).prop_map(
+    let friction = prop_oneof![0.0..5.0, Just(f64::INFINITY)];
+    (position, size, 0.0..300.0_f64, -0.999..0.499, 0.0..20.0_f64, friction).prop_map(
         |(position, radius, young, poisson, density, friction)| Grain {
             position,
             radius: 10_f64.powf(radius),
@@ -185,8 +186,9 @@ fn constants_out_of_range_are_refused() {
         ("1e9,0.5,1e3,0", "column `poisson`: 0.5 is outside -1 < poisson < 0.5"),
         ("1e9,-1,1e3,0", "column `poisson`: -1.0 is outside -1 < poisson < 0.5"),
         ("1e9,0.2,-1,0", "column `density`: -1.0 is outside density > 0 kg/m³"),
-        ("1e9,0.2,1e3,-0.1", "column `friction`: -0.1 is outside friction >= 0"),
-        ("1e9,0.2,1e3,inf", "column `friction`: `inf` is not a finite number"),
+        ("1e9,0.2,1e3,-0.1", "column `friction`: -0.1 is outside friction >= 0, inf included"),
+        ("1e9,0.2,1e3,1e999", "column `friction`: `1e999` is not a finite number"),
+        ("1e9,0.2,1e3,nan", "column `friction`: `nan` is not a finite number"),
     ];
     for (constants, text) in cases {
         let csv = format!("x,y,z,radius,young,poisson,density,friction\n0,0,0,1e-4,{constants}\n");

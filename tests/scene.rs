@@ -5,7 +5,8 @@ use std::fs;
 use std::path::Path;
 
 use graintwin::scene::{
-    self, Discovery, Friction, Lateral, Scene, SceneError, Step, StrainUnit, When,
+    self, Coulomb, Discovery, Friction, Lateral, Law, Scene, SceneError, Step, StrainUnit, Update,
+    When, prepare,
 };
 
 fn parse(text: &str) -> Result<Scene, SceneError> {
@@ -129,6 +130,229 @@ fn pictures_that_nothing_publishes_yet_may_be_ordered_on_demand_or_never() {
     for word in ["on_demand", "never"] {
         parse(&format!("{PACK}outputs: {{markers: {word}}}")).unwrap();
     }
+}
+
+/// The friction of a scene with `contact`.
+fn friction(contact: &str) -> Friction {
+    parse(&format!("{PACK}contact: {{{contact}}}")).unwrap().contact.friction
+}
+
+#[test]
+fn without_a_word_of_it_there_is_no_friction() {
+    let scene = parse(PACK).unwrap();
+    assert_eq!((scene.contact.friction, scene.walls.friction), (Friction::None, None));
+    assert_eq!(friction("friction: none"), Friction::None);
+    assert_eq!(friction("torsion: false"), Friction::None);
+}
+
+#[test]
+fn every_key_of_friction_has_a_default() {
+    let default = Coulomb { coefficient: 0.3, law: Law::ReturnMap, update: Update::Frozen };
+    assert_eq!(friction("friction: {}"), Friction::Coulomb(default));
+    for (keys, expected) in [
+        ("coefficient: 0", Coulomb { coefficient: 0.0, ..default }),
+        ("coefficient: .inf", Coulomb { coefficient: f64::INFINITY, ..default }),
+        ("law: return_map", default),
+        ("law: secant", Coulomb { law: Law::Secant, ..default }),
+        ("law: mindlin_deresiewicz", Coulomb { law: Law::MindlinDeresiewicz, ..default }),
+        ("update: frozen", default),
+        ("update: current", Coulomb { update: Update::Current, ..default }),
+    ] {
+        assert_eq!(friction(&format!("friction: {{{keys}}}")), Friction::Coulomb(expected));
+    }
+    assert!(parse(&format!("{PACK}contact: {{friction: {{}}}}")).unwrap().contact.torsion);
+}
+
+#[test]
+fn walls_may_be_smooth_rough_or_perfectly_rough() {
+    for (word, coefficient) in [("0", 0.0), ("0.7", 0.7), (".inf", f64::INFINITY)] {
+        let scene = parse(&format!("{PACK}walls: {{friction: {word}}}")).unwrap();
+        assert_eq!(scene.walls.friction, Some(coefficient));
+    }
+}
+
+#[test]
+fn an_echo_of_friction_writes_its_defaults_and_infinity_as_yaml_does() {
+    let text = format!("{PACK}walls: {{friction: .inf}}\ncontact: {{friction: {{law: secant}}}}");
+    let echo = parse(&text).unwrap().to_yaml().unwrap();
+    let block = "contact:\n  normal: hertz\n  friction:\n    coefficient: 0.3\n    law: secant\n    \
+                 update: frozen\n  torsion: true\n";
+    assert!(echo.contains(block), "{echo}");
+    assert!(echo.contains("\n  friction: .inf\n"), "{echo}");
+
+    let smooth = parse(PACK).unwrap().to_yaml().unwrap();
+    assert!(smooth.contains("contact:\n  normal: hertz\n  friction: none\n"), "{smooth}");
+    assert!(
+        smooth.contains("walls:\n  young: 7000000000000.0\n  poisson: 0.495\npack:"),
+        "{smooth}"
+    );
+}
+
+#[test]
+fn wrong_friction_is_named_with_line_column_field_and_what_is_allowed() {
+    refused(&behind_pack(&[
+        (
+            "contact: {friction: rough}",
+            "2:11: contact.friction: unknown variant `rough`, expected one of none, {coefficient",
+        ),
+        (
+            "contact: {friction: 0.3}",
+            "2:11: contact.friction: invalid type: floating point `0.3`, expected `none`, or a mapping",
+        ),
+        (
+            "contact: {friction: [0.3]}",
+            "2:11: contact.friction: invalid type: sequence, expected `none`, or a mapping",
+        ),
+        (
+            "contact: {friction: {coeficient: 0.3}}",
+            "2:22: contact.friction.coeficient: unknown field `coeficient`, expected one of \
+             coefficient, law, update",
+        ),
+        (
+            "contact:\n  friction: {law: mindlin}",
+            "3:19: contact.friction.law: unknown variant `mindlin`, expected one of return_map, \
+             secant, mindlin_deresiewicz",
+        ),
+        (
+            "contact: {friction: {update: sometimes}}",
+            "2:30: contact.friction.update: unknown variant `sometimes`, expected one of frozen, \
+             current",
+        ),
+        (
+            "contact: {friction: {coefficient: rough}}",
+            "2:35: contact.friction.coefficient: `rough` is not a number",
+        ),
+        (
+            "contact: {friction: {coefficient: -0.1}}",
+            "2:35: contact.friction.coefficient: -0.1 is outside coefficient >= 0, .inf included",
+        ),
+        (
+            "contact: {friction: {coefficient: .nan}}",
+            "2:35: contact.friction.coefficient: NaN is outside coefficient >= 0, .inf included",
+        ),
+        (
+            "contact: {friction: {coefficient: -.inf}}",
+            "2:35: contact.friction.coefficient: -inf is outside coefficient >= 0",
+        ),
+        ("walls: {friction: .nan}", "2:19: walls.friction: NaN is outside friction >= 0, .inf"),
+        ("walls: {friction: none}", "2:19: walls.friction: `none` is not a number"),
+    ]));
+}
+
+/// A scene with friction and these steps of a preparation, on a line each from line 3 on.
+fn with_steps(steps: &[&str]) -> String {
+    let steps: String = steps.iter().map(|step| format!("  - {step}\n")).collect();
+    format!("pack:\n  prepare:\n{steps}  file: a.csv\ncontact: {{friction: {{}}}}\n")
+}
+
+#[test]
+fn a_preparation_has_steps_with_defaults() {
+    let steps = [
+        "isotropic: {confining_stress: 10.0e6}",
+        "uniaxial: {}",
+        "uniaxial: {axis: x, moving: min, steady: 0.1, window: 3, max_strain: 0.4}",
+        "uniaxial: {strain: -1.0e-3, strain_increment: 1.0e-5}",
+    ];
+    let steps = parse(&with_steps(&steps)).unwrap().pack.prepare;
+    let [prepare::Step::Isotropic(confined), built_up, given, strained] = steps.as_slice() else {
+        panic!("{steps:?}")
+    };
+    assert_eq!(confined.confining_stress, 10e6);
+    let end = prepare::Steady { steady: 0.005, window: 10, max_strain: 0.02 };
+    let default = prepare::Uniaxial {
+        axis: scene::Axis::Z,
+        moving: scene::Moving::Both,
+        strain_increment: 1e-4,
+        end: prepare::End::Steady(end),
+    };
+    assert_eq!(*built_up, prepare::Step::Uniaxial(default));
+    let end = prepare::Steady { steady: 0.1, window: 3, max_strain: 0.4 };
+    let (axis, moving) = (scene::Axis::X, scene::Moving::Min);
+    let other = prepare::Uniaxial { axis, moving, end: prepare::End::Steady(end), ..default };
+    assert_eq!(*given, prepare::Step::Uniaxial(other));
+    let end = prepare::End::Strain(-1e-3);
+    let other = prepare::Uniaxial { strain_increment: 1e-5, end, ..default };
+    assert_eq!(*strained, prepare::Step::Uniaxial(other));
+    assert!(parse(PACK).unwrap().pack.prepare.is_empty());
+}
+
+#[test]
+fn wrong_preparations_are_named_with_their_step() {
+    let cases = [
+        ("squeeze: {}", "3:5: pack.prepare[0].squeeze: unknown variant `squeeze`, expected one of"),
+        ("isotropic: {}", "3:16: pack.prepare[0].isotropic: missing field `confining_stress`"),
+        (
+            "isotropic: {confining_stress: 0}",
+            "3:35: pack.prepare[0].isotropic.confining_stress: 0.0 is outside confining_stress > 0",
+        ),
+        (
+            "isotropic: {confining_stress: .inf}",
+            "3:35: pack.prepare[0].isotropic.confining_stress: inf is not a finite number",
+        ),
+        (
+            "isotropic: {confining_stress: 1e6, friction: 0}",
+            "3:40: pack.prepare[0].isotropic.friction: unknown field `friction`, expected",
+        ),
+        (
+            "uniaxial: {increments: 3}",
+            "3:16: pack.prepare[0].uniaxial.increments: unknown field `increments`, expected one \
+             of axis, moving, strain_increment, strain, steady, window, max_strain",
+        ),
+        (
+            "uniaxial: {strain: 1e-3, window: 5}",
+            "3:15: pack.prepare[0].uniaxial: `strain` alone ends the step; allowed: `strain`, or",
+        ),
+        (
+            "uniaxial: {axis: w}",
+            "3:22: pack.prepare[0].uniaxial.axis: unknown variant `w`, expected one of x, y, z",
+        ),
+        (
+            "uniaxial: {strain: 0}",
+            "3:24: pack.prepare[0].uniaxial.strain: 0.0 is outside -0.5 < strain < 0.5, not 0",
+        ),
+        (
+            "uniaxial: {strain: 0.5}",
+            "3:24: pack.prepare[0].uniaxial.strain: 0.5 is outside -0.5 < strain < 0.5",
+        ),
+        (
+            "uniaxial: {strain: .nan}",
+            "3:24: pack.prepare[0].uniaxial.strain: NaN is not a finite number",
+        ),
+        (
+            "uniaxial: {strain_increment: 0}",
+            "3:34: pack.prepare[0].uniaxial.strain_increment: 0.0 is outside 1e-7 <=",
+        ),
+        ("uniaxial: {steady: 0}", "3:24: pack.prepare[0].uniaxial.steady: 0.0 is outside 0 <"),
+        ("uniaxial: {steady: 1.1}", "3:24: pack.prepare[0].uniaxial.steady: 1.1 is outside 0 <"),
+        ("uniaxial: {window: 0}", "3:24: pack.prepare[0].uniaxial.window: 0 is outside 1 to"),
+        (
+            "uniaxial: {window: 2.5}",
+            "3:24: pack.prepare[0].uniaxial.window: `2.5` is not a whole number",
+        ),
+        (
+            "uniaxial: {max_strain: 0.5}",
+            "3:28: pack.prepare[0].uniaxial.max_strain: 0.5 is outside 0.001 <= max_strain < 0.5",
+        ),
+        (
+            "uniaxial: {max_strain: 0.9e-3}",
+            "3:28: pack.prepare[0].uniaxial.max_strain: 0.0009 is outside 0.001 <= max_strain < \
+             0.5, where `window` increments have room",
+        ),
+    ];
+    let cases: Vec<_> =
+        cases.into_iter().map(|(step, start)| (with_steps(&[step]), start)).collect();
+    refused(&cases);
+}
+
+#[test]
+fn without_friction_a_preparation_cannot_wait_for_contacts_to_slide() {
+    let smooth = |step: &str| format!("pack:\n  file: a.csv\n  prepare: [{{{step}}}]\n");
+    parse(&smooth("uniaxial: {strain: 1e-3}")).unwrap();
+    refused(&[(
+        smooth("uniaxial: {}"),
+        "3:24: pack.prepare[0].uniaxial: without friction no contact slides; allowed: \
+         `contact.friction`, or `strain`",
+    )]);
 }
 
 /// Checks the start of the message of each text.
@@ -409,7 +633,8 @@ fn no_number_of_a_scene_may_be_nan_or_infinite() {
     let full = parse(
         "materials: {m: {young: 1e9, poisson: 0.2, density: 1000, spread: 0.1}}\n\
          pack:\n  generate: {grains: 5, radius: {uniform: [1e-4, 2e-4]}, material: m, \
-         confining_stress: 1e6}\n  cut: {min: [-1, -1, -1], max: [1, 1, 1]}\n\
+         confining_stress: 1e6}\n  cut: {min: [-1, -1, -1], max: [1, 1, 1]}\n  \
+         prepare: [isotropic: {confining_stress: 1e6}, uniaxial: {strain: 0.001}]\n\
          reference: {min: [-1, -1, -1], max: [1, 1, 1]}\n\
          load_path:\n\
          - isotropic: {strain: 0.001, increments: 1}\n\

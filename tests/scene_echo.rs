@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use graintwin::scene::{
-    self, Axis, Compression, Contact, Discovery, Friction, Generate, Isotropic, Lateral, LoadPath,
-    Markers, Material, Method, ModuliKind, Moving, Node, Normal, Outputs, PackSource, Polyaxial,
-    Radius, Record, Repeat, RigLog, Scene, Solver, Step, StrainUnit, Triaxial, Uniaxial, Unload,
-    Walls, When,
+    self, Axis, Compression, Contact, Coulomb, Discovery, Friction, Generate, Isotropic, Lateral,
+    Law, LoadPath, Markers, Material, Method, ModuliKind, Moving, Node, Normal, Outputs,
+    PackSource, Polyaxial, Radius, Record, Repeat, RigLog, Scene, Solver, Step, StrainUnit,
+    Triaxial, Uniaxial, Unload, Update, Walls, When, prepare,
 };
 use graintwin::wall::Bounds;
 use proptest::option;
@@ -64,26 +64,65 @@ fn generate() -> impl Strategy<Value = Generate> {
     )
 }
 
-fn pack() -> impl Strategy<Value = PackSource> {
-    let made = (generate(), option::of(bounds())).prop_map(|(generate, cut)| PackSource {
-        generate: Some(generate),
-        file: None,
-        bounds: None,
-        material: None,
-        cut,
-        seed: 0,
+fn steps() -> impl Strategy<Value = Vec<prepare::Step>> {
+    let isotropic = positive().prop_map(|confining_stress| {
+        prepare::Step::Isotropic(prepare::Isotropic { confining_stress })
     });
-    let read = (word(), option::of(bounds()), option::of(bounds()), any::<u64>()).prop_map(
-        |(file, bounds, cut, seed)| PackSource {
+    let steady = (1e-6..1.0, 1..100_u32, 0.01..0.499).prop_map(|(steady, window, max_strain)| {
+        prepare::End::Steady(prepare::Steady { steady, window, max_strain })
+    });
+    let end = prop_oneof![steady, (-0.499..-1e-9).prop_map(prepare::End::Strain)];
+    let uniaxial =
+        (axis(), moving(), 1e-7..1e-4, end).prop_map(|(axis, moving, strain_increment, end)| {
+            prepare::Step::Uniaxial(prepare::Uniaxial { axis, moving, strain_increment, end })
+        });
+    prop::collection::vec(prop_oneof![isotropic, uniaxial], 0..3)
+}
+
+/// A coefficient of friction.
+fn coefficient() -> impl Strategy<Value = f64> {
+    prop_oneof![0.0..10.0, Just(0.0), Just(f64::INFINITY)]
+}
+
+fn friction() -> impl Strategy<Value = Friction> {
+    let law = prop::sample::select(vec![Law::ReturnMap, Law::Secant, Law::MindlinDeresiewicz]);
+    let update = prop::sample::select(vec![Update::Frozen, Update::Current]);
+    let coulomb = (coefficient(), law, update).prop_map(|(coefficient, law, update)| Coulomb {
+        coefficient,
+        law,
+        update,
+    });
+    prop_oneof![Just(Friction::None), coulomb.prop_map(Friction::Coulomb)]
+}
+
+fn pack() -> impl Strategy<Value = PackSource> {
+    let made = (generate(), option::of(bounds()), steps()).prop_map(|(generate, cut, prepare)| {
+        PackSource {
+            generate: Some(generate),
+            file: None,
+            bounds: None,
+            material: None,
+            cut,
+            seed: 0,
+            prepare,
+        }
+    });
+    let read = (word(), option::of(bounds()), option::of(bounds()), any::<u64>(), steps())
+        .prop_map(|(file, bounds, cut, seed, prepare)| PackSource {
             generate: None,
             file: Some(file.into()),
             bounds,
             material: Some("quartz".into()),
             cut,
             seed,
-        },
-    );
+            prepare,
+        });
     prop_oneof![made, read]
+}
+
+/// Whether a step waits for contacts to slide.
+fn waits(step: &prepare::Step) -> bool {
+    matches!(step, prepare::Step::Uniaxial(step) if matches!(step.end, prepare::End::Steady(_)))
 }
 
 fn strain() -> impl Strategy<Value = f64> {
@@ -181,23 +220,32 @@ fn service() -> impl Strategy<Value = (Outputs, Node, Record)> {
 
 fn scene() -> impl Strategy<Value = Scene> {
     let materials = prop::collection::btree_map(word(), material(), 0..3);
-    let walls = (positive(), -0.999..0.499, 0.0..10.0)
-        .prop_map(|(young, poisson, friction)| Walls { young, poisson, friction: Some(friction) });
-    let laws = (walls, any::<bool>(), prop::array::uniform3(-1e3..1e3), option::of(bounds()));
+    let walls = (positive(), -0.999..0.499, option::of(coefficient()))
+        .prop_map(|(young, poisson, friction)| Walls { young, poisson, friction });
+    let contact = (friction(), any::<bool>()).prop_map(|(friction, torsion)| Contact {
+        normal: Normal::Hertz,
+        friction,
+        torsion,
+    });
+    let laws = (walls, contact, prop::array::uniform3(-1e3..1e3), option::of(bounds()));
     let path = prop::collection::vec(step(), 0..4);
     (word(), materials, laws, pack(), solver(), path, service()).prop_map(
-        |(name, own, (walls, torsion, gravity, reference), pack, solver, path, service)| {
+        |(name, own, (walls, contact, gravity, reference), mut pack, solver, path, service)| {
             let (outputs, node, record) = service;
             let mut materials: BTreeMap<_, _> =
                 scene::parse("pack: {file: a}", Path::new("a")).unwrap().materials;
             materials.extend(own);
+            if contact.friction == Friction::None {
+                // Such a scene is refused: no contact would slide.
+                pack.prepare.retain(|step| !waits(step));
+            }
             Scene {
                 name,
                 dimension: 3,
                 materials,
                 walls,
                 pack,
-                contact: Contact { normal: Normal::Hertz, friction: Friction::None, torsion },
+                contact,
                 gravity,
                 reference,
                 solver,

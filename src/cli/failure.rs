@@ -45,7 +45,9 @@ impl From<SceneError> for Failure {
 impl From<PackError> for Failure {
     fn from(error: PackError) -> Self {
         match error {
-            PackError::Generate(_) | PackError::Write { .. } => Self::other(error),
+            PackError::Generate(_) | PackError::Prepare(_) | PackError::Write { .. } => {
+                Self::other(error)
+            }
             _ => Self::input(error),
         }
     }

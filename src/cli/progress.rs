@@ -52,12 +52,16 @@ impl Drop for Progress {
     }
 }
 
-/// Shows that something takes its time until it is done.
-pub(super) fn waiting<T>(what: String, bars: &MultiProgress, work: impl FnOnce() -> T) -> T {
+/// Shows that something takes its time until it is done; `work` may change the words.
+pub(super) fn waiting<T>(
+    what: String,
+    bars: &MultiProgress,
+    work: impl FnOnce(&ProgressBar) -> T,
+) -> T {
     let bar = with_style(bars.add(ProgressBar::new_spinner()), "{spinner} {msg} {elapsed}");
     bar.set_message(what);
     bar.enable_steady_tick(Duration::from_millis(100));
-    let done = work();
+    let done = work(&bar);
     bar.finish_and_clear();
     done
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use graintwin::pack::{self, Pack};
-use graintwin::record::{Provenance, RecordError, Recorded, Recorder, claim};
+use graintwin::record::{HISTORY, Provenance, RecordError, Recorded, Recorder, claim};
 use graintwin::report::Demand;
 use graintwin::scene::Loaded;
 use graintwin::sink::{Served, Sink};
@@ -29,10 +29,12 @@ impl Recording {
         pack: &Pack,
         threads: usize,
     ) -> Result<Self, Failure> {
+        let pack = pack::texts(pack, HISTORY)?;
         let provenance = Provenance {
             scene: loaded.scene.to_yaml()?,
-            pack_csv: pack::to_csv(pack).into_bytes(),
-            pack_json: pack::box_json(&pack.bounds).into_bytes(),
+            pack_csv: pack.csv.into_bytes(),
+            pack_json: pack.json.into_bytes(),
+            pack_history: pack.history.map(String::into_bytes),
             threads,
         };
         let recorder = Recorder::create(folder, &loaded.scene.record, &provenance);

@@ -18,6 +18,7 @@ use super::progress::Progress;
 use super::recording::{self, Recording};
 #[cfg(feature = "ros")]
 use super::ros::Link;
+use super::specimen::Specimen;
 use super::summary::Summary;
 use super::{Cli, Failure, Outcome, output, serve, specimen, stop};
 
@@ -61,7 +62,7 @@ pub(super) fn run(args: &Args, cli: &Cli, bars: &MultiProgress) -> Result<Outcom
     let given = args.commands.as_deref().map(read_commands).transpose()?;
     #[cfg(feature = "mcap")]
     args.record.as_deref().map(recording::reserve).transpose()?;
-    let pack = specimen::build(&loaded, cli.threads(), bars)?;
+    let Specimen { pack, .. } = specimen::build(&loaded, cli.threads(), bars)?;
     let commands = match &given {
         Some(commands) => commands.clone(),
         None => path::commands(&loaded.scene.load_path, loaded.folder(), &pack.bounds)?,

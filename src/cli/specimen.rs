@@ -2,33 +2,80 @@
 
 use indicatif::MultiProgress;
 
-use graintwin::pack::{self, Pack};
+use graintwin::pack::prepare::{Reached, prepare};
+use graintwin::pack::{self, History, Pack, PackError};
 use graintwin::scene::Loaded;
 
 use super::Failure;
 use super::output::significant;
 use super::progress::waiting;
 
-/// The scene's pack; making one takes a while and says so.
+/// A pack with what its preparation reached, one entry a step.
+pub(super) struct Specimen {
+    pub(super) pack: Pack,
+    pub(super) prepared: Vec<Reached>,
+}
+
+/// The scene's pack; making and preparing one takes a while and says so.
 pub(super) fn build(
     loaded: &Loaded,
     threads: usize,
     bars: &MultiProgress,
-) -> Result<Pack, Failure> {
+) -> Result<Specimen, Failure> {
+    let scene = &loaded.scene;
     // What is made does not depend on the threads, the time does.
     let pool =
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(Failure::other)?;
-    let pack = match &loaded.scene.pack.generate {
-        None => pack::build(loaded)?,
+    let pack = match &scene.pack.generate {
+        None => pack::unprepared(loaded)?,
         Some(spec) => {
             let what = format!("making {} grains", spec.grains);
-            waiting(what, bars, || pool.install(|| pack::build(loaded)))?
+            waiting(what, bars, |_| pool.install(|| pack::unprepared(loaded)))?
         }
     };
-    Ok(pack)
+    let steps = scene.pack.prepare.len();
+    if steps == 0 {
+        return Ok(Specimen { pack, prepared: Vec::new() });
+    }
+    let mut prepared: Vec<Reached> = Vec::new();
+    let pack = waiting("preparing".into(), bars, |bar| {
+        let mut watch = |reached: &Reached| {
+            bar.set_message(format!("preparing, {}/{steps} {}", reached.step + 1, now(reached)));
+            prepared.truncate(reached.step);
+            prepared.push(*reached);
+        };
+        pool.install(|| prepare(scene, pack, &mut watch)).map_err(PackError::from)
+    })?;
+    Ok(Specimen { pack, prepared })
 }
 
-/// Number, size and density of a pack.
+fn now(reached: &Reached) -> String {
+    let Reached { strain, confining_stress, sliding_ratio, .. } = *reached;
+    let stress = significant(confining_stress * 1e-6, 4);
+    match strain {
+        None => format!("{stress} MPa confining, without friction"),
+        Some(strain) => format!(
+            "{stress} MPa confining, strain {}, sliding ratio {sliding_ratio:.4}",
+            significant(strain, 4)
+        ),
+    }
+}
+
+/// What the preparation of a pack reached, a line a step.
+pub(super) fn preparation(prepared: &[Reached]) -> String {
+    prepared.iter().fold(String::new(), |text, reached| {
+        format!("{text}step {}          {}\n", reached.step + 1, now(reached))
+    })
+}
+
+/// What a pack remembers.
+pub(super) fn history(history: Option<&History>) -> String {
+    let Some(history) = history else { return "history         none\n".into() };
+    let (contacts, sliding) = (history.contacts.len(), history.sliding());
+    format!("history         {contacts} contacts, of which {sliding} slide\n")
+}
+
+/// Number, size, density and history of a pack.
 pub(super) fn describe(pack: &Pack) -> String {
     let radii = pack.grains.iter().map(|grain| grain.radius);
     let (least, most) = radii.clone().fold((f64::INFINITY, 0.0_f64), |(least, most), radius| {
@@ -38,10 +85,11 @@ pub(super) fn describe(pack: &Pack) -> String {
     let [x, y, z] = pack.bounds.sides().map(|side| significant(side * 1e3, 5));
     format!(
         "grains          {}\nradii           {} to {} mm\nbox             {x} x {y} x {z} mm\n\
-         grain volume    {} of the box, overlaps counted twice\n",
+         grain volume    {} of the box, overlaps counted twice\n{}",
         pack.grains.len(),
         significant(least * 1e3, 4),
         significant(most * 1e3, 4),
         significant(solid / pack.bounds.volume(), 5),
+        history(pack.history.as_ref()),
     )
 }

@@ -1,4 +1,4 @@
-//! From a scene to its pack: read or made, given its properties, and cut.
+//! From a scene to its pack: read or made, given its properties, cut, and prepared.
 
 use std::path::Path;
 
@@ -6,16 +6,26 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
 use super::generate::generate;
+use super::prepare::prepare;
 use super::{Constants, Grain, Pack, PackError, PackFile, PackRow, properties, read};
-use crate::scene::{Generate, Loaded, Material, Scene};
+use crate::scene::{Friction, Generate, Loaded, Material, Scene};
 use crate::table::TableError;
 
-/// The pack of a scene.
+/// The pack of a scene: made or read, cut, and prepared.
+///
+/// # Errors
+/// As [`unprepared`], and when the preparation fails.
+pub fn build(loaded: &Loaded) -> Result<Pack, PackError> {
+    let pack = unprepared(loaded)?;
+    Ok(prepare(&loaded.scene, pack, &mut |_| ())?)
+}
+
+/// The pack of a scene before its preparation.
 ///
 /// # Errors
 /// When a file of the pack is wrong or cannot be read, the pack cannot be made, or the cut leaves
 /// nothing.
-pub fn build(loaded: &Loaded) -> Result<Pack, PackError> {
+pub fn unprepared(loaded: &Loaded) -> Result<Pack, PackError> {
     let source = &loaded.scene.pack;
     let pack = match (&source.generate, &source.file) {
         (Some(spec), _) => made(&loaded.scene, spec)?,
@@ -23,6 +33,9 @@ pub fn build(loaded: &Loaded) -> Result<Pack, PackError> {
         (None, None) => return Err(PackError::NoSource),
     };
     let Some(cut) = &source.cut else { return Ok(pack) };
+    if pack.history.is_some() {
+        tracing::warn!("pack.cut drops the history of the pack: another specimen begins anew");
+    }
     let specimen = pack.cut(cut);
     if specimen.grains.is_empty() {
         return Err(PackError::EmptyCut { grains: pack.grains.len() });
@@ -48,7 +61,14 @@ fn from_file(loaded: &Loaded, file: &Path) -> Result<Pack, PackError> {
     let mut rng = Pcg64::seed_from_u64(scene.pack.seed);
     let grain = |row: &PackRow| grain(&file, row, scene, &mut rng);
     let grains = file.rows.iter().map(grain).collect::<Result<_, _>>()?;
-    Ok(Pack { bounds, grains, history: None })
+    let history = file.read_history()?;
+    if history.is_some() && scene.contact.friction == Friction::None {
+        tracing::warn!(
+            "{}: the history of the pack is not used: `contact.friction` is none",
+            file.file.display()
+        );
+    }
+    Ok(Pack { bounds, grains, history })
 }
 
 fn grain(

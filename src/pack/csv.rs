@@ -1,23 +1,17 @@
-//! The pack CSV: one grain a row, and the box in a JSON beside it.
+//! The pack CSV: one grain a row.
 //!
 //! Numbers are written in the shortest form that reads back to the same bits.
 
 use std::fmt::Write as _;
-use std::fs;
 use std::path::{Path, PathBuf};
 
-use serde::Serialize;
-
-use super::{Pack, PackError, box_file, coincident};
+use super::{Pack, PackError, coincident};
 use crate::table::{Row, Table, TableError};
 use crate::wall::{self, Bounds};
 
 const GEOMETRY: [&str; 4] = ["x", "y", "z", "radius"];
 const MATERIAL: &str = "material";
 const CONSTANTS: [&str; 4] = ["young", "poisson", "density", "friction"];
-
-/// Keys of a JSON without a box that its message names.
-const MAX_KEYS: usize = 4;
 
 /// What a pack CSV says about the grains' material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,7 +63,7 @@ pub enum Constants {
         poisson: f64,
         /// Density \[kg/m³\], above 0.
         density: f64,
-        /// Coefficient of friction, at least 0.
+        /// Coefficient of friction, 0 to infinite.
         friction: f64,
     },
 }
@@ -152,8 +146,16 @@ fn given(row: &Row<'_>, columns: [usize; 4]) -> Result<Constants, TableError> {
         young: positive(row, young, "young > 0 Pa")?,
         poisson: within(row, poisson, "-1 < poisson < 0.5", |nu| -1.0 < nu && nu < 0.5)?,
         density: positive(row, density, "density > 0 kg/m³")?,
-        friction: within(row, friction, "friction >= 0", |mu| mu >= 0.0)?,
+        friction: coefficient(row, friction)?,
     })
+}
+
+/// A coefficient of friction; the word `inf` stands for grains that never slide.
+fn coefficient(row: &Row<'_>, column: usize) -> Result<f64, TableError> {
+    if row.text(column) == "inf" {
+        return Ok(f64::INFINITY);
+    }
+    within(row, column, "friction >= 0, inf included", |mu| mu >= 0.0)
 }
 
 fn positive(row: &Row<'_>, column: usize, allowed: &str) -> Result<f64, TableError> {
@@ -175,34 +177,6 @@ fn within(
 }
 
 impl PackFile {
-    /// The box in the JSON beside the CSV.
-    ///
-    /// # Errors
-    /// When there is no such file, it cannot be read, or it holds no box.
-    pub fn read_box(&self) -> Result<Bounds, PackError> {
-        let file = box_file(&self.file);
-        let text = fs::read_to_string(&file)
-            .map_err(|source| PackError::ReadBox { file: file.clone(), source })?;
-        let wrong = |text: String| PackError::Box { file: file.clone(), text };
-        let json: serde_json::Value =
-            serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
-        let Some(found) = json.get("box") else {
-            let keys: Vec<_> = json.as_object().into_iter().flatten().map(|(key, _)| key).collect();
-            let shown = &keys[..keys.len().min(MAX_KEYS)];
-            let dots = if keys.len() > MAX_KEYS { " and more" } else { "" };
-            return Err(wrong(format!("it has no key `box`, only {shown:?}{dots}")));
-        };
-        let bounds: Bounds = serde_json::from_value(found.clone())
-            .map_err(|error| wrong(format!("box: {error}")))?;
-        match (0..3).find(|&axis| bounds.min[axis] >= bounds.max[axis]) {
-            None => Ok(bounds),
-            Some(axis) => Err(wrong(format!(
-                "box: max[{axis}] = {:?} is not above min[{axis}] = {:?}",
-                bounds.max[axis], bounds.min[axis]
-            ))),
-        }
-    }
-
     /// Checks that every grain's centre lies in `bounds`.
     ///
     /// # Errors
@@ -228,22 +202,8 @@ impl PackFile {
     }
 }
 
-/// Writes `pack` as a CSV with the constants of every grain, and its box as JSON beside it.
-/// Reading both gives the same bits.
-///
-/// # Errors
-/// When the name does not end with `.csv`, or a file cannot be written.
-pub fn save(pack: &Pack, file: &Path) -> Result<(), PackError> {
-    if file.extension().is_none_or(|extension| extension != "csv") {
-        return Err(PackError::Name { file: file.into() });
-    }
-    write(file, &to_csv(pack))?;
-    write(&box_file(file), &box_json(&pack.bounds))
-}
-
 /// The pack as CSV with the constants of every grain.
-#[must_use]
-pub fn to_csv(pack: &Pack) -> String {
+pub(super) fn to_csv(pack: &Pack) -> String {
     let mut text = [GEOMETRY, CONSTANTS].concat().join(",");
     text.push('\n');
     for grain in &pack.grains {
@@ -257,20 +217,4 @@ pub fn to_csv(pack: &Pack) -> String {
         );
     }
     text
-}
-
-/// The JSON that tells a pack's box, to stand beside its CSV.
-#[must_use]
-pub fn box_json(bounds: &Bounds) -> String {
-    #[derive(Serialize)]
-    struct Beside<'a> {
-        #[serde(rename = "box")]
-        bounds: &'a Bounds,
-    }
-    let json = serde_json::to_string_pretty(&Beside { bounds });
-    json.expect("six numbers under fixed names are JSON") + "\n"
-}
-
-fn write(file: &Path, text: &str) -> Result<(), PackError> {
-    fs::write(file, text).map_err(|source| PackError::Write { file: file.into(), source })
 }

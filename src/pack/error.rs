@@ -4,6 +4,7 @@ use std::io;
 use std::path::PathBuf;
 
 use super::generate::GenerateError;
+use super::prepare::PrepareError;
 use crate::table::TableError;
 
 /// Why there is no pack.
@@ -36,9 +37,28 @@ pub enum PackError {
         /// What is wrong with it.
         text: String,
     },
+    /// A file that tells the history cannot be read.
+    #[error("{}: the history of the pack cannot be read: {source}", file.display())]
+    ReadHistory {
+        /// The JSON with the history, or that which names it.
+        file: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// A history is wrong.
+    #[error("{}: {text}", file.display())]
+    History {
+        /// The JSON with the history, or that which names it.
+        file: PathBuf,
+        /// Which entry is wrong and what is allowed.
+        text: String,
+    },
     /// The pack could not be made.
     #[error(transparent)]
     Generate(#[from] GenerateError),
+    /// The pack could not be prepared.
+    #[error(transparent)]
+    Prepare(#[from] PrepareError),
     /// The scene names no source of grains.
     #[error("pack: neither `generate` nor `file` is given; allowed: exactly one of them")]
     NoSource,

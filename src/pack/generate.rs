@@ -45,11 +45,15 @@ const STABLE: (usize, f64) = (4, 1e-5);
 
 /// Why a pack could not be made.
 #[derive(Debug, thiserror::Error)]
+#[error("pack.generate: {0}; try another seed, more grains or a higher confining_stress")]
+pub struct GenerateError(#[from] CompactError);
+
+/// Why a pack could not be brought to a stress.
+#[derive(Debug, thiserror::Error)]
 #[error(
-    "pack.generate: no equilibrium at {wanted:.4e} Pa: stress {found:.4e} Pa, {status:?}, \
-     residual {residual:.1e}; try another seed, more grains or a higher confining_stress"
+    "no equilibrium at {wanted:.4e} Pa: stress {found:.4e} Pa, {status:?}, residual {residual:.1e}"
 )]
-pub struct GenerateError {
+pub struct CompactError {
     /// Mean stress asked for \[Pa\].
     wanted: f64,
     /// Mean stress reached \[Pa\].
@@ -89,6 +93,22 @@ pub fn generate(
         }
         press.compact(spec.confining_stress)?;
     }
+    Ok(press.pack())
+}
+
+/// Brings `pack` to equilibrium with all three normal stresses at `stress` \[Pa\], without
+/// friction and without gravity; it comes back without history.
+///
+/// # Errors
+/// When no equilibrium at the stress asked for is found.
+pub fn compact(
+    pack: &Pack,
+    stress: f64,
+    walls: &Walls,
+    solver: Solver,
+) -> Result<Pack, CompactError> {
+    let mut press = Press::new(pack, walls, solver);
+    press.compact(stress)?;
     Ok(press.pack())
 }
 
@@ -142,7 +162,7 @@ impl Press {
     }
 
     /// Brings the pack to equilibrium with all three normal stresses at `target` \[Pa\].
-    fn compact(&mut self, target: f64) -> Result<(), GenerateError> {
+    fn compact(&mut self, target: f64) -> Result<(), CompactError> {
         let mut outcome = Outcome::NONE;
         for residual in DESCENTS {
             self.descend(residual, Some(target));
@@ -155,7 +175,7 @@ impl Press {
             }
         }
         let Outcome { status, residual, .. } = outcome;
-        Err(GenerateError { wanted: target, found: self.stress().mean(), status, residual })
+        Err(CompactError { wanted: target, found: self.stress().mean(), status, residual })
     }
 
     /// Normal stresses \[Pa\].

@@ -1,18 +1,29 @@
 //! What a specimen remembers of its loading besides where its grains are.
 
+mod check;
+mod file;
+
+use serde::{Deserialize, Serialize};
+
 use crate::wall;
 
+pub use file::history_file;
+pub(super) use file::{read, to_json};
+
 /// Rotations and contact history of a pack, in the order of the pack file.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "`{rotations: [...], contacts: [...]}`")]
 pub struct History {
     /// Sum of the rotation increments of each grain \[rad\], shape (grains).
+    #[serde(rename = "rotations")]
     pub rotation: Vec<[f64; 3]>,
     /// The load-carrying contacts, sorted by (first, second).
     pub contacts: Vec<ContactMemory>,
 }
 
 /// What one contact remembers.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a contact, `{first: 0, second: 1, ...}`")]
 pub struct ContactMemory {
     /// Grain index.
     pub first: u32,
@@ -26,11 +37,13 @@ pub struct ContactMemory {
     pub sliding: bool,
     /// Layers of the law `mindlin_deresiewicz`, from the contact's centre outwards; empty for the
     /// other laws.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub layers: Vec<Layer>,
 }
 
 /// A ring of the contact in which the memory of slip is uniform.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a layer, `{reach: 1e-9, ratio: [x, y, z]}`")]
 pub struct Layer {
     /// Overlap at which the contact circle reaches the outer edge of the ring \[m\].
     pub reach: f64,
@@ -38,6 +51,14 @@ pub struct Layer {
     /// in units of its limit: a vector in the contact plane, |D| <= 1. The force on `first` points
     /// along it.
     pub ratio: [f64; 3],
+}
+
+impl History {
+    /// Number of contacts that slide.
+    #[must_use]
+    pub fn sliding(&self) -> usize {
+        self.contacts.iter().filter(|contact| contact.sliding).count()
+    }
 }
 
 impl Layer {

@@ -37,11 +37,7 @@ fn by_strain(
     course: &mut Course,
 ) -> Result<(), PathError> {
     let sides = course.bounds().sides();
-    let shares = match moving {
-        Moving::Both => [0.5, 0.5],
-        Moving::Min => [1.0, 0.0],
-        Moving::Max => [0.0, 1.0],
-    };
+    let shares = moving.shares();
     let change = std::array::from_fn(|wall| {
         let axis = wall::axis(wall);
         shares[wall % 2] * strain[axis] * sides[axis]

@@ -8,7 +8,7 @@ use mcap::write::NoSeek;
 use mcap::{Attachment, McapError, WriteOptions};
 use serde::Serialize;
 
-use super::{Provenance, metadata};
+use super::{HISTORY, Provenance, metadata};
 use crate::command::Stamp;
 use crate::msg::cdr::{self, CdrError};
 use crate::msg::topics::{self, Topic};
@@ -113,11 +113,14 @@ impl<W: Write> BagWriter<W> {
             // at the end of a chunk but for the one that was just being written.
             .disable_seeking(true)
             .create(NoSeek::new(to))?;
-        let files: [(&str, &str, &[u8]); 3] = [
+        let mut files: Vec<(&str, &str, &[u8])> = vec![
             ("scene.yaml", "application/yaml", provenance.scene.as_bytes()),
             ("pack.csv", "text/csv", &provenance.pack_csv),
             ("pack.json", "application/json", &provenance.pack_json),
         ];
+        files.extend(
+            provenance.pack_history.iter().map(|json| (HISTORY, "application/json", &**json)),
+        );
         for (name, media_type, data) in files {
             mcap.attach(&Attachment {
                 log_time: time,

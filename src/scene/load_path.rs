@@ -168,6 +168,18 @@ pub enum Moving {
     Max,
 }
 
+impl Moving {
+    /// Shares of a strain that the `_min` and the `_max` wall take.
+    #[must_use]
+    pub const fn shares(self) -> [f64; 2] {
+        match self {
+            Self::Both => [0.5, 0.5],
+            Self::Min => [1.0, 0.0],
+            Self::Max => [0.0, 1.0],
+        }
+    }
+}
+
 /// Coordinate axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

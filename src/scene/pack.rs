@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use super::Material;
 use super::check::{Field, Problems};
+use super::{Material, prepare};
 use crate::wall::Bounds;
 
 /// Most grains that a scene may ask for.
@@ -34,6 +34,9 @@ pub struct PackSource {
     /// Seed of the per-grain spread of a material given to a pack that is read.
     #[serde(default)]
     pub seed: u64,
+    /// What is done with the pack, made or read and cut, before the run.
+    #[serde(default)]
+    pub prepare: Vec<prepare::Step>,
 }
 
 impl PackSource {

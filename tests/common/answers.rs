@@ -12,7 +12,10 @@ pub(crate) fn provenance() -> Provenance {
     Provenance {
         scene: "name: \"Probe 7 µm\"\npack: {file: pack.csv}\n".into(),
         pack_csv: b"x,y,z,radius\n0.0,0.0,0.0,1e-3\n".to_vec(),
-        pack_json: br#"{"box": {"min": [0, 0, 0], "max": [1, 1, 1]}}"#.to_vec(),
+        pack_json:
+            br#"{"box": {"min": [0, 0, 0], "max": [1, 1, 1]}, "history": "pack.history.json"}"#
+                .to_vec(),
+        pack_history: Some(br#"{"rotations": [[0, 0, 0]], "contacts": []}"#.to_vec()),
         threads: 2,
     }
 }

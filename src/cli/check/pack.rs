@@ -4,7 +4,7 @@ use std::path::Path;
 
 use graintwin::pack::{self, Columns, PackError};
 
-use crate::cli::{Failure, output::significant};
+use crate::cli::{Failure, output::significant, specimen};
 
 /// The box is checked when it is in the JSON beside the CSV.
 pub(super) fn describe(file: &Path) -> Result<String, Failure> {
@@ -28,13 +28,14 @@ pub(super) fn describe(file: &Path) -> Result<String, Failure> {
         Columns::Material => "column `material`, names of the scene",
         Columns::Constants => "columns `young,poisson,density,friction`",
     };
+    let history = specimen::history(pack.read_history()?.as_ref());
     let radii = pack.rows.iter().map(|row| row.radius);
     let (least, most) = radii.fold((f64::INFINITY, 0.0_f64), |(least, most), radius| {
         (least.min(radius), most.max(radius))
     });
     Ok(format!(
         "pack            {}: right\ngrains          {}\nradii           {} to {} mm\n\
-         material        {made_of}\nbox             {place}\n",
+         material        {made_of}\nbox             {place}\n{history}",
         file.display(),
         pack.rows.len(),
         significant(least * 1e3, 4),

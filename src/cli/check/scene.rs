@@ -1,6 +1,7 @@
 //! What is in a scene.
 
 use graintwin::scene::Loaded;
+use graintwin::scene::prepare::{End, Step};
 use graintwin::wall::Bounds;
 use graintwin::{pack, path};
 
@@ -24,17 +25,35 @@ pub(super) fn describe(loaded: &Loaded) -> Result<String, Failure> {
             )
         }
         None => {
-            let pack = pack::build(loaded)?;
+            let pack = pack::unprepared(loaded)?;
             (specimen::describe(&pack), pack.bounds)
         }
     };
     let commands = path::commands(&scene.load_path, loaded.folder(), &bounds)?;
     let duration = commands.last().map_or(0.0, |command| command.stamp.seconds());
     Ok(format!(
-        "scene           {}, {}: right\n{contents}load path       {} commands, {} s\n",
+        "scene           {}, {}: right\n{contents}{}load path       {} commands, {} s\n",
         scene.name,
         loaded.file.display(),
+        preparation(&scene.pack.prepare),
         commands.len(),
         significant(duration, 6),
     ))
+}
+
+/// What is to be done with the pack, a line a step.
+fn preparation(steps: &[Step]) -> String {
+    let step = |(index, step): (usize, &Step)| {
+        let what = match step {
+            Step::Isotropic(step) => {
+                format!("to {} MPa without friction", significant(step.confining_stress * 1e-6, 4))
+            }
+            Step::Uniaxial(step) => match step.end {
+                End::Strain(strain) => format!("uniaxial, a strain of {strain:?}"),
+                End::Steady(_) => "uniaxial until the sliding ratio is steady".into(),
+            },
+        };
+        format!("step {}          {what}\n", index + 1)
+    };
+    steps.iter().enumerate().map(step).collect()
 }

@@ -1,0 +1,96 @@
+//! What a contact history must keep to, whoever made it.
+
+use super::{ContactMemory, History, Layer, wall_index, wall_of};
+use crate::wall;
+
+/// Most contacts a grain on average; spheres of one size have 6.
+const MOST_CONTACTS: usize = 100;
+/// What rounding may add to a ratio of 1.
+const RATIO_SLACK: f64 = 1e-9;
+
+impl History {
+    /// Checks the history of a pack of `grains` grains; says which entry is wrong and what is
+    /// allowed.
+    pub(super) fn check(&self, grains: usize) -> Result<(), String> {
+        if self.rotation.len() != grains {
+            let found = self.rotation.len();
+            return Err(format!("rotations: {found} entries; allowed: {grains}, one a grain"));
+        }
+        let most = MOST_CONTACTS * grains;
+        if self.contacts.len() > most {
+            let found = self.contacts.len();
+            return Err(format!("contacts: {found} entries; allowed: at most {most}"));
+        }
+        for (grain, rotation) in self.rotation.iter().enumerate() {
+            finite(rotation).map_err(|fault| format!("rotations[{grain}]{fault}"))?;
+        }
+        for (index, contact) in self.contacts.iter().enumerate() {
+            contact.check(grains).map_err(|fault| format!("contacts[{index}]{fault}"))?;
+        }
+        let key = |contact: &ContactMemory| (contact.first, contact.second);
+        match self.contacts.windows(2).position(|pair| key(&pair[0]) >= key(&pair[1])) {
+            None => Ok(()),
+            Some(before) => {
+                let index = before + 1;
+                let (now, then) = (key(&self.contacts[index]), key(&self.contacts[before]));
+                Err(format!(
+                    "contacts[{index}]: (first, second) = {now:?} follows {then:?}; allowed: \
+                     ascending, each pair once"
+                ))
+            }
+        }
+    }
+}
+
+impl ContactMemory {
+    fn check(&self, grains: usize) -> Result<(), String> {
+        let Self { first, second, .. } = *self;
+        let last = grains - 1;
+        if first as usize > last {
+            return Err(format!(".first: {first}; allowed: a grain, 0 to {last}"));
+        }
+        let is_grain = first < second && second as usize <= last;
+        if !is_grain && wall_of(second).is_none() {
+            let [low, high] = [wall::COUNT as u8 - 1, 0].map(wall_index);
+            return Err(format!(
+                ".second: {second}; allowed: a grain above first = {first} and up to {last}, or \
+                 {low} to {high} for a wall"
+            ));
+        }
+        finite(&self.shear).map_err(|fault| format!(".shear{fault}"))?;
+        finite(&[self.torsion]).map_err(|_| wrong(".torsion", self.torsion, "a finite number"))?;
+        let mut reached = 0.0;
+        for (index, layer) in self.layers.iter().enumerate() {
+            layer.check(reached).map_err(|fault| format!(".layers[{index}]{fault}"))?;
+            reached = layer.reach;
+        }
+        Ok(())
+    }
+}
+
+impl Layer {
+    /// Checks a layer around one that ends at `reached`.
+    fn check(&self, reached: f64) -> Result<(), String> {
+        if !(self.reach.is_finite() && self.reach > reached) {
+            let allowed = format!("a finite number above {reached:?} m, where the layer begins");
+            return Err(wrong(".reach", self.reach, &allowed));
+        }
+        finite(&self.ratio).map_err(|fault| format!(".ratio{fault}"))?;
+        let length = self.ratio.iter().map(|d| d * d).sum::<f64>().sqrt();
+        if length > 1.0 + RATIO_SLACK {
+            return Err(format!(".ratio: its length is {length:?}; allowed: 0 to 1"));
+        }
+        Ok(())
+    }
+}
+
+fn finite(values: &[f64]) -> Result<(), String> {
+    match values.iter().position(|value| !value.is_finite()) {
+        None => Ok(()),
+        Some(index) => Err(wrong(&format!("[{index}]"), values[index], "a finite number")),
+    }
+}
+
+fn wrong(field: &str, value: f64, allowed: &str) -> String {
+    format!("{field}: {value:?}; allowed: {allowed}")
+}
