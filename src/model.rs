@@ -1,7 +1,7 @@
 //! What stays constant after loading: grains, walls, laws and settings, in the solver's own order.
 
 use crate::Vec3;
-use crate::contact::{hertz, mindlin};
+use crate::contact::{Other, hertz, mindlin};
 use crate::pack::{Grain, Pack};
 use crate::scene::{self, Coulomb, Law, Scene, Solver, Update, Walls};
 use crate::wall::Bounds;
@@ -85,6 +85,17 @@ impl Friction {
             torsion_compliance: grains.iter().map(|g| torsional(g.young, g.poisson)).collect(),
             wall_torsion_compliance: torsional(walls.young, walls.poisson),
         })
+    }
+}
+
+impl Friction {
+    /// μ between grain `first` and `second`.
+    #[must_use]
+    pub fn between(&self, first: u32, second: Other) -> f64 {
+        match second {
+            Other::Grain(j) => self.coefficient[j as usize].min(self.coefficient[first as usize]),
+            Other::Wall(_) => self.wall_coefficient,
+        }
     }
 }
 

@@ -93,8 +93,10 @@ pub struct PackState {
     pub porosity: f64,
     /// (2 grain-grain + grain-wall contacts) / grains.
     pub coordination_number: f64,
-    /// Sliding contacts over all contacts.
+    /// Sliding contacts over all contacts: those whose tangential force is at μP (T 3.6.2).
     pub sliding_ratio: f64,
+    /// Contacts that slid in the increment. With a limit frozen at its start they can end below μP.
+    pub slipped: u32,
     /// Mean normal force of a contact \[N\].
     pub mean_normal_force: f64,
     /// Mean magnitude of the tangential force of a contact \[N\].

@@ -244,6 +244,7 @@ impl Twin {
                 porosity: porosity::porosity(model, &contacts.list, &bounds),
                 coordination_number: f64::from(numbers.iter().sum::<u32>()) / model.len() as f64,
                 sliding_ratio: contacts.sliding_ratio(),
+                slipped: contacts.counted().filter(|c| c.slipped).count() as u32,
                 mean_normal_force: contacts.mean_force,
                 mean_tangential_force: contacts.mean_shear,
                 wall_couple: walls::couple(&wall_forces, &bounds),

@@ -9,6 +9,9 @@ use crate::wall::{self, Bounds};
 
 /// Contacts below this share of the mean normal force are not counted: rattlers hover around zero.
 pub const FAINT: f64 = 1e-6;
+/// A contact slides whose tangential force is within this share of μP (T 3.6.2: "determined by
+/// the ratio between the tangential and normal contact forces").
+pub const AT_LIMIT: f64 = 1e-3;
 
 /// One contact.
 #[derive(Clone, Copy, Debug)]
@@ -27,8 +30,10 @@ pub struct Contact {
     pub shear: Vec3,
     /// Couple on grain i along `normal` \[N m\].
     pub torsion: f64,
-    /// Whether it slides.
+    /// Whether |Q| is at μP, of the present P.
     pub slides: bool,
+    /// Whether it slid in the last increment.
+    pub slipped: bool,
     /// From the other grain's centre, or the wall's plane, to the centre of grain i \[m\].
     pub distance: f64,
 }
@@ -66,6 +71,7 @@ impl Contacts {
                         shear: Vec3::zeros(),
                         torsion: 0.0,
                         slides: false,
+                        slipped: false,
                         overlap,
                         distance,
                     });
@@ -82,7 +88,11 @@ impl Contacts {
             if let Some(load) = memory.next_if(|m| m.key() == key) {
                 contact.shear = load.shear;
                 contact.torsion = load.torsion;
-                contact.slides = load.slides;
+                contact.slipped = load.slides;
+                contact.slides = model.friction.as_ref().is_some_and(|friction| {
+                    let limit = friction.between(contact.first, contact.second) * contact.force;
+                    contact.shear.norm() >= (1.0 - AT_LIMIT) * limit
+                });
             }
         }
         let mean = |sum: f64| sum / list.len().max(1) as f64;
@@ -126,6 +136,7 @@ fn wall_contact(
         shear: Vec3::zeros(),
         torsion: 0.0,
         slides: false,
+        slipped: false,
         overlap,
         distance,
     })

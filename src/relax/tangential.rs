@@ -125,11 +125,10 @@ struct Pair {
 impl Pair {
     fn of(model: &Model, friction: &Friction, first: u32, second: Other) -> Self {
         let i = first as usize;
-        let (coefficient, effective_radius, compliance, shear, torsion) = match second {
+        let (effective_radius, compliance, shear, torsion) = match second {
             Other::Grain(j) => {
                 let j = j as usize;
                 (
-                    friction.coefficient[j].min(friction.coefficient[i]),
                     hertz::effective_radius(model.radius[i], model.radius[j]),
                     model.compliance[j],
                     friction.shear_compliance[j],
@@ -137,7 +136,6 @@ impl Pair {
                 )
             }
             Other::Wall(_) => (
-                friction.wall_coefficient,
                 model.radius[i],
                 model.wall_compliance,
                 friction.wall_shear_compliance,
@@ -145,7 +143,7 @@ impl Pair {
             ),
         };
         Self {
-            friction: coefficient,
+            friction: friction.between(first, second),
             effective_radius,
             modulus: hertz::modulus(effective_radius, model.compliance[i] + compliance),
             compliance: model.compliance[i] + compliance,
