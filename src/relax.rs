@@ -110,6 +110,8 @@ pub struct Workspace {
     pub step_cap: f64,
     /// Shift of each grain's block, shape (n).
     shift: Vec<f32>,
+    /// First shift of each grain, and the one below which it is dropped, shape (n).
+    first_shift: Vec<f32>,
     /// Contacts of each grain, shape (n); for packs with weight.
     support: Vec<u32>,
     /// The present step \[m\], shape (n), and its rotations times radius \[m\], shape (n) or empty.
@@ -141,6 +143,7 @@ impl Workspace {
             reference_stiffness: hertz::stiffness(modulus, 1e-2 * model.mean_radius),
             step_cap: if model.friction.is_some() { FRICTIONAL_CAP } else { 1.0 },
             shift: Vec::with_capacity(model.len()),
+            first_shift: Vec::with_capacity(model.len()),
             support: Vec::new(),
             step: Vec::with_capacity(model.len()),
             turn: Vec::new(),

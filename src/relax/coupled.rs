@@ -20,6 +20,9 @@ const LANE_ROWS: usize = 64;
 /// Pivots below this share of a row's mean diagonal are lifted to it.
 const SMALL_PIVOT: f32 = 0.02;
 
+/// Bending of a grain without contacts, over the reference stiffness.
+const NO_BENDING: f32 = 1e-9;
+
 /// One contact between grains, in units of the reference stiffness: 64 bytes.
 #[derive(Clone, Copy, Debug, Default)]
 struct Joint {
@@ -50,6 +53,8 @@ pub struct Coupled {
     joints: Vec<Joint>,
     /// Blocks of the wall contacts of a grain.
     walls: Vec<(u32, Sym6)>,
+    /// Sum of P/r of each grain.
+    bending: Vec<f32>,
     /// Diagonal blocks without shift.
     diagonal: Vec<Sym6>,
     /// Inverse of the shifted diagonal blocks.
@@ -80,6 +85,8 @@ impl Coupled {
         self.walls.clear();
         self.diagonal.clear();
         self.diagonal.resize(rows, Sym6::default());
+        self.bending.clear();
+        self.bending.resize(rows, 0.0);
         let mut held = reference.contacts.iter().zip(&balance.tractions).peekable();
         for i in 0..rows {
             self.start.push(self.joints.len() as u32);
@@ -108,6 +115,8 @@ impl Coupled {
                     joint.n = l.m.map(|m| m / length);
                     joint.axial = length * length;
                     joint.b = l.b;
+                    self.bending[i] += l.b;
+                    self.bending[second as usize] += l.b;
                     link = links.next();
                 }
                 let live = shearing.filter(|t| t.live);
@@ -197,6 +206,18 @@ impl Coupled {
             }
         }
         Inner::Step
+    }
+
+    /// After [`Inner::NegativeCurvature`]: the part of the curvature in the unknowns of grain `i`.
+    #[must_use]
+    pub fn curvature(&self, i: usize) -> f32 {
+        self.direction[i].iter().zip(&self.product[i]).map(|(p, q)| p * q).sum()
+    }
+
+    /// Sum of P/r over the contacts of each grain, in units of the reference stiffness; a little
+    /// more than none for grains without contacts.
+    pub fn bending(&self) -> impl Iterator<Item = f32> {
+        self.bending.iter().map(|b| b.max(NO_BENDING))
     }
 
     /// The displacement and the rotation times radius \[m\] of grain `i`; `unit` is the force of

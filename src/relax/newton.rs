@@ -11,13 +11,15 @@ use crate::wall::Bounds;
 
 /// First shift of a grain, and the one below which it is dropped, over the sum of P/r of a grain.
 const FIRST_SHIFT: f64 = 0.02;
-/// First shift of a grain that is held back, over [`FIRST_SHIFT`], and by what whole steps divide
-/// the shifts: without friction and with it.
-const HELD: [(f32, f32); 2] = [(1.0, 4.0), (100.0, 8.0)];
-/// Shifted steps in a row after which the configuration counts as unstable.
-const MOST_SHIFTED: u32 = 40;
+/// Shifted steps in a row after which the configuration counts as unstable, without friction and
+/// with it: a grain that hardly touches anything is then dragged along in steps of the cap.
+const MOST_SHIFTED: [u32; 2] = [40, 150];
 /// Steps between two looks for grains that nothing holds.
 const PATIENCE: u32 = 20;
+/// What whole steps divide the shifts by, without friction and with it.
+const RELIEF: [f32; 2] = [4.0, 8.0];
+/// Least shift of a grain that is held back over its first one, with friction.
+const HELD: f32 = 100.0;
 /// Shifts tried in one step.
 const MOST_SHIFTS: u32 = 60;
 /// Most that one linear solve may take.
@@ -83,7 +85,7 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
             None => return end(Status::Stalled),
         }
         in_a_row = if shifted { in_a_row + 1 } else { 0 };
-        if in_a_row > MOST_SHIFTED {
+        if in_a_row > MOST_SHIFTED[usize::from(work.reference.active)] {
             if model.has_gravity() && rattlers::release(model, state, work) {
                 return end(Status::Converged);
             }
@@ -115,22 +117,30 @@ fn step(
     // Without contacts (grains that fall) any positive stiffness will do.
     let bending = (2.0 * sums.bending / (model.len() as f64 * work.reference_stiffness)).max(1e-9);
     let first = (FIRST_SHIFT * bending) as f32;
-    let (held, relief) = HELD[usize::from(work.reference.active)];
+    work.first_shift.clear();
+    match work.reference.active {
+        false => work.first_shift.resize(model.len(), first),
+        // A grain that hardly touches anything is not to be held as if it carried what others do.
+        true => work.first_shift.extend(work.coupled.bending().map(|b| FIRST_SHIFT as f32 * b)),
+    }
     let cap = work.step_cap
         * if sums.contacts > 0 { sums.mean_overlap() } else { 0.1 * model.mean_radius };
     for _ in 0..MOST_SHIFTS {
         let inner = work.solve(largest, forcing, MOST_PRODUCTS);
         if inner == Inner::NegativeCurvature {
-            raise(&mut work.shift, first);
+            let concave = |i: usize| work.reference.active && work.coupled.curvature(i) < 0.0;
+            let some = (0..model.len()).any(concave);
+            for i in (0..model.len()).filter(|&i| !some || concave(i)) {
+                work.shift[i] = (4.0 * work.shift[i]).max(work.first_shift[i]);
+            }
             continue;
         }
         let mut held_back = false;
-        for steps in [&work.step, &work.turn] {
-            for (shift, step) in work.shift.iter_mut().zip(steps) {
-                if step.norm() > cap {
-                    *shift = (4.0 * *shift).max(held * first);
-                    held_back = true;
-                }
+        for i in 0..model.len() {
+            let turn = work.turn.get(i).map_or(0.0, Vec3::norm);
+            if work.step[i].norm().max(turn) > cap {
+                work.shift[i] = (4.0 * work.shift[i]).max(held(work, i, cap));
+                held_back = true;
             }
         }
         if held_back {
@@ -138,13 +148,16 @@ fn step(
         }
         let shifted = work.shift.iter().any(|&shift| shift > 0.0);
         let Some(whole) = search(model, state, work, bounds) else {
-            raise(&mut work.shift, first);
+            for (shift, first) in work.shift.iter_mut().zip(&work.first_shift) {
+                *shift = (4.0 * *shift).max(*first);
+            }
             continue;
         };
-        for shift in &mut work.shift {
+        let relief = RELIEF[usize::from(work.reference.active)];
+        for (shift, first) in work.shift.iter_mut().zip(&work.first_shift) {
             *shift = match () {
                 () if !whole => *shift,
-                () if *shift <= first => 0.0,
+                () if *shift <= *first => 0.0,
                 () => *shift / relief,
             };
         }
@@ -153,11 +166,15 @@ fn step(
     None
 }
 
-/// Shifts every grain's block more.
-fn raise(shifts: &mut [f32], first: f32) {
-    for shift in shifts {
-        *shift = (4.0 * *shift).max(first);
+/// Least shift of a grain that is held back to `cap` \[m\]. With friction it is known better what
+/// that takes: the unbalanced force over the cap, if nothing else holds the grain.
+fn held(work: &Workspace, i: usize, cap: f64) -> f32 {
+    if !work.reference.active {
+        return work.first_shift[i];
     }
+    let force = work.balance.gradient[i].norm().max(work.balance.moment[i].norm());
+    let alone = (force / cap / work.reference_stiffness) as f32;
+    alone.max(HELD * work.first_shift[i])
 }
 
 /// Backtracks along the step; says whether the whole step was taken, `None` when nothing descends.
