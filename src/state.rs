@@ -168,7 +168,10 @@ impl State {
                 shear: (memory.shear * sign).into(),
                 torsion: memory.torsion,
                 sliding: memory.slides,
-                layers: self.memory.layers[from..to].iter().map(|layer| layer.times(sign)).collect(),
+                layers: self.memory.layers[from..to]
+                    .iter()
+                    .map(|layer| layer.times(sign))
+                    .collect(),
             });
             from = to;
         }

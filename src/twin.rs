@@ -297,7 +297,11 @@ impl Twin {
             let position = self.state.position[k].into();
             grains[order as usize] = Grain { position, ..self.model.grains[k] };
         }
-        Pack { bounds: self.state.bounds(&self.model), grains, history: self.state.history(&self.model) }
+        Pack {
+            bounds: self.state.bounds(&self.model),
+            grains,
+            history: self.state.history(&self.model),
+        }
     }
 }
 

@@ -1,8 +1,8 @@
 //! The load-carrying contacts of a state.
 
 use crate::Vec3;
-use crate::contact::{Other, hertz};
 use crate::contact::neighbours::{Neighbours, wall_gap};
+use crate::contact::{Other, hertz};
 use crate::model::Model;
 use crate::state::State;
 use crate::wall::{self, Bounds};

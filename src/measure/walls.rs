@@ -1,9 +1,9 @@
 //! Forces and moments of the pack on the walls.
 
 use crate::Vec3;
+use crate::contact::Other;
 use crate::contact::hertz;
 use crate::contact::neighbours::{Neighbours, wall_gap};
-use crate::contact::Other;
 use crate::measure::contacts::Contact;
 use crate::model::Model;
 use crate::report::WallForces;

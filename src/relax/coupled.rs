@@ -12,7 +12,8 @@ use crate::contact::Other;
 use crate::contact::neighbours::Neighbours;
 use crate::relax::balance::Balance;
 use crate::relax::linear::Inner;
-use crate::relax::sym6::{Sym6, V6};
+use crate::relax::sym3::Sym3;
+use crate::relax::sym6::{Columns, Sym6, V6};
 use crate::relax::tangential::{Reference, Traction};
 
 /// Rows summed in single precision before they are added up in double.
@@ -52,13 +53,13 @@ pub struct Coupled {
     start: Vec<u32>,
     joints: Vec<Joint>,
     /// Blocks of the wall contacts of a grain.
-    walls: Vec<(u32, Sym6)>,
+    walls: Vec<(u32, Columns)>,
     /// Sum of P/r of each grain.
     bending: Vec<f32>,
     /// Diagonal blocks without shift.
     diagonal: Vec<Sym6>,
-    /// Inverse of the shifted diagonal blocks.
-    inverse: Vec<Sym6>,
+    /// Inverse of the shifted diagonal blocks; empty before they are taken.
+    inverse: Vec<Columns>,
     shift: Vec<f32>,
     step: Vec<V6>,
     residual: Vec<V6>,
@@ -83,6 +84,7 @@ impl Coupled {
         self.start.clear();
         self.joints.clear();
         self.walls.clear();
+        self.inverse.clear();
         self.diagonal.clear();
         self.diagonal.resize(rows, Sym6::default());
         self.bending.clear();
@@ -131,7 +133,7 @@ impl Coupled {
                 }
             }
             let k = balance.wall_stiffness[i];
-            let mut block = Sym6::diagonal([k[0], k[1], k[2], 0.0, 0.0, 0.0]);
+            let mut block = Sym6 { u: Sym3::diagonal(k), ..Sym6::default() };
             let mut touches = k != [0.0; 3];
             while let Some((_, t)) = held.next_if(|(h, _)| h.first as usize == i) {
                 if t.live {
@@ -143,16 +145,18 @@ impl Coupled {
             }
             if touches {
                 self.diagonal[i].add(&block);
-                self.walls.push((i as u32, block));
+                self.walls.push((i as u32, block.matrix()));
             }
         }
         self.start.push(self.joints.len() as u32);
         for block in &mut self.diagonal {
-            let [u, w] = block.traces().map(|trace| f32::from(u8::from(trace == 0.0)));
-            block.add(&Sym6::diagonal([u, u, u, w, w, w]));
+            for part in [&mut block.u, &mut block.w] {
+                if part.trace() == 0.0 {
+                    *part = Sym3::diagonal([1.0; 3]);
+                }
+            }
         }
-        for vector in [&mut self.step, &mut self.residual, &mut self.direction, &mut self.product]
-        {
+        for vector in [&mut self.step, &mut self.residual, &mut self.direction, &mut self.product] {
             vector.resize(rows, [0.0; 8]);
         }
     }
@@ -160,11 +164,20 @@ impl Coupled {
     /// Inverts the diagonal blocks of H + Σ, where Σ shifts the block of grain i by `shift[i]` in
     /// units of the reference stiffness.
     pub fn factorise(&mut self, shift: &[f32]) {
-        self.shift.clear();
-        self.shift.extend_from_slice(shift);
-        self.inverse.clear();
-        self.inverse
-            .extend(self.diagonal.iter().zip(shift).map(|(d, s)| d.inverse(*s, SMALL_PIVOT)));
+        if self.inverse.is_empty() {
+            self.shift.clear();
+            self.shift.extend_from_slice(shift);
+            let inverse = |(d, s): (&Sym6, &f32)| d.inverse(*s, SMALL_PIVOT);
+            self.inverse.extend(self.diagonal.iter().zip(shift).map(inverse));
+            return;
+        }
+        // Another try at the same linearisation: few shifts changed.
+        for (i, &shift) in shift.iter().enumerate() {
+            if self.shift[i] != shift {
+                self.shift[i] = shift;
+                self.inverse[i] = self.diagonal[i].inverse(shift, SMALL_PIVOT);
+            }
+        }
     }
 
     /// Solves (H + Σ) s = -g until the preconditioned residual fell by `forcing`; `moment` is the
@@ -286,72 +299,101 @@ impl Joint {
         self.twist = radii.map(|radius| (root / radius) as f32);
     }
 
-    /// The diagonal block of grain i (`side` 0) or j (1): a sum of squares of the rows of s, of
-    /// the overlap and of the twist.
+    /// The diagonal block of grain i (`side` 0) or j (1).
+    #[inline(always)]
     fn block(&self, side: usize) -> Sym6 {
+        let n = self.n;
         let sign = if side == 0 { 1.0 } else { -1.0 };
-        let lever = self.lever[side] * sign;
-        let [nx, ny, nz] = self.n;
-        let mut block = Sym6::diagonal([-self.b, -self.b, -self.b, 0.0, 0.0, 0.0]);
-        block.add_outer(self.axial, &[nx, ny, nz, 0.0, 0.0, 0.0, 0.0, 0.0]);
-        let twist = self.twist[side] * self.twist[side];
-        block.add_outer(twist, &[0.0, 0.0, 0.0, 0.0, nx, ny, nz, 0.0]);
-        // s·a = a·d + ω·(a × n̂) for a direction a in the contact plane.
-        let row = |a: [f32; 3]| {
-            let f = cross(a, self.n);
-            [a[0], a[1], a[2], 0.0, lever * f[0], lever * f[1], lever * f[2], 0.0]
-        };
-        let [p, q] = plane(self.n);
-        block.add_outer(self.across, &row(p));
-        block.add_outer(self.across, &row(q));
-        block.add_outer(self.sliding, &row(self.e));
-        block
+        let lever = self.lever[side];
+        let square = lever * lever;
+        let bend = self.across - self.b;
+        let mut u = Sym3::diagonal([bend; 3]);
+        u.add_outer(self.axial - self.across, n);
+        let mut w = Sym3::diagonal([square * self.across; 3]);
+        w.add_outer(self.twist[side] * self.twist[side] - square * self.across, n);
+        // λ (α [n̂]× + β e fᵀ) with f = e × n̂, which s·e = e·d + ω·f makes.
+        let a = sign * lever * self.across;
+        let mut uw =
+            [[0.0, -a * n[2], a * n[1]], [a * n[2], 0.0, -a * n[0]], [-a * n[1], a * n[0], 0.0]];
+        if self.sliding != 0.0 {
+            let f = cross(self.e, n);
+            u.add_outer(self.sliding, self.e);
+            w.add_outer(square * self.sliding, f);
+            for (row, e) in uw.iter_mut().zip(self.e) {
+                for (entry, f) in row.iter_mut().zip(f) {
+                    *entry += sign * lever * self.sliding * e * f;
+                }
+            }
+        }
+        Sym6 { u, w, uw }
     }
 
     /// Adds this contact's part of the product with x to y.
     #[inline(always)]
     fn multiply(&self, xi: &V6, xj: &V6, yi: &mut V6, yj: &mut V6) {
-        let n = self.n;
-        let d = [xi[0] - xj[0], xi[1] - xj[1], xi[2] - xj[2]];
+        let (ui, wi) = halves(xi);
+        let (uj, wj) = halves(xj);
+        let n = padded(self.n);
         let [li, lj] = self.lever;
-        let wi = [xi[4], xi[5], xi[6]];
-        let wj = [xj[4], xj[5], xj[6]];
-        let omega = [0, 1, 2].map(|k| li * wi[k] + lj * wj[k]);
-        let dn = dot3(d, n);
-        let turned = cross(n, omega);
-        let s = [0, 1, 2].map(|k| d[k] - dn * n[k] + turned[k]);
-        let es = self.sliding * dot3(self.e, s);
-        let t = [0, 1, 2].map(|k| self.across * s[k] + es * self.e[k]);
-        let torque = cross(t, n);
         let [ci, cj] = self.twist;
-        let twist = ci * dot3(wi, n) - cj * dot3(wj, n);
-        for k in 0..3 {
-            let f = t[k] - self.b * d[k] + self.axial * dn * n[k];
-            yi[k] += f;
-            yj[k] -= f;
-            yi[4 + k] += li * torque[k] + ci * twist * n[k];
-            yj[4 + k] += lj * torque[k] - cj * twist * n[k];
+        let d = lanes(|k| ui[k] - uj[k]);
+        let omega = lanes(|k| li * wi[k] + lj * wj[k]);
+        let turned = cross4(&n, &omega);
+        let dn = dot4(&d, &n);
+        let mut t = lanes(|k| self.across * (d[k] + turned[k] - dn * n[k]));
+        if self.sliding != 0.0 {
+            let e = padded(self.e);
+            let es = self.sliding * (dot4(&e, &d) + dot4(&e, &turned));
+            t = lanes(|k| t[k] + es * e[k]);
+        }
+        let torque = cross4(&t, &n);
+        let twist = dot4(&lanes(|k| ci * wi[k] - cj * wj[k]), &n);
+        let push = self.axial * dn;
+        let f = lanes(|k| t[k] - self.b * d[k] + push * n[k]);
+        let [ti, tj] = [ci * twist, cj * twist];
+        for k in 0..4 {
+            yi[k] += f[k];
+            yj[k] -= f[k];
+            yi[4 + k] += li * torque[k] + ti * n[k];
+            yj[4 + k] += lj * torque[k] - tj * n[k];
         }
     }
 }
 
-/// Two unit vectors across `n` and each other.
-fn plane(n: [f32; 3]) -> [[f32; 3]; 2] {
-    let least = if n[0].abs() < 0.6 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
-    let p = cross(n, least);
-    let length = dot3(p, p).sqrt();
-    let p = p.map(|p| p / length);
-    [p, cross(n, p)]
+/// Three numbers and a zero.
+type Lanes = [f32; 4];
+
+#[inline(always)]
+fn lanes(of: impl Fn(usize) -> f32) -> Lanes {
+    [of(0), of(1), of(2), of(3)]
+}
+
+#[inline(always)]
+fn padded(v: [f32; 3]) -> Lanes {
+    [v[0], v[1], v[2], 0.0]
+}
+
+#[inline(always)]
+fn halves(v: &V6) -> (Lanes, Lanes) {
+    ([v[0], v[1], v[2], v[3]], [v[4], v[5], v[6], v[7]])
+}
+
+#[inline(always)]
+fn cross4(a: &Lanes, b: &Lanes) -> Lanes {
+    let turn = |v: &Lanes| [v[1], v[2], v[0], v[3]];
+    let (a1, b1) = (turn(a), turn(b));
+    turn(&lanes(|k| a[k] * b1[k] - a1[k] * b[k]))
+}
+
+#[inline(always)]
+fn dot4(a: &Lanes, b: &Lanes) -> f32 {
+    let p = lanes(|k| a[k] * b[k]);
+    (p[0] + p[2]) + (p[1] + p[3])
 }
 
 #[inline(always)]
 fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-#[inline(always)]
-fn dot3(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[inline(always)]

@@ -5,6 +5,37 @@
 pub(super) struct Sym3([f32; 6]);
 
 impl Sym3 {
+    /// A block by its entries xx, yy, zz, xy, xz, yz.
+    #[must_use]
+    #[inline(always)]
+    pub(super) fn new(entries: [f32; 6]) -> Self {
+        Self(entries)
+    }
+
+    /// The columns of the block.
+    #[must_use]
+    pub(super) fn columns(&self) -> [[f32; 3]; 3] {
+        let [xx, yy, zz, xy, xz, yz] = self.0;
+        [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+    }
+
+    /// self - other.
+    #[must_use]
+    pub(super) fn minus(&self, other: &Self) -> Self {
+        Self(std::array::from_fn(|k| self.0[k] - other.0[k]))
+    }
+
+    /// self += s v vᵀ.
+    #[inline(always)]
+    pub(super) fn add_outer(&mut self, s: f32, v: [f32; 3]) {
+        let [x, y, z] = v;
+        let [sx, sy, sz] = [s * x, s * y, s * z];
+        let outer = [sx * x, sy * y, sz * z, sx * y, sx * z, sy * z];
+        for (entry, outer) in self.0.iter_mut().zip(outer) {
+            *entry += outer;
+        }
+    }
+
     /// A diagonal block.
     #[must_use]
     pub(super) fn diagonal(d: [f32; 3]) -> Self {

@@ -1,112 +1,150 @@
 //! Symmetric 6x6 blocks in single precision, for a grain's displacement u and its rotation times
-//! radius w = ΩR: rows and columns 0..3 are u, 4..7 are w, 3 and 7 are padding.
+//! radius w = ΩR.
 
-/// Displacement and rotation times radius, padded.
+use crate::relax::sym3::Sym3;
+
+/// Displacement and rotation times radius, each padded to four.
 pub(super) type V6 = [f32; 8];
 
-/// The places of the six unknowns in a padded row.
-const PLACES: [usize; 6] = [0, 1, 2, 4, 5, 6];
-
-/// Columns of a block in the order of [`PLACES`], each padded.
+/// A block by its parts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Sym6([V6; 6]);
+pub(super) struct Sym6 {
+    /// What u does to the forces.
+    pub(super) u: Sym3,
+    /// What w does to the moments over radius.
+    pub(super) w: Sym3,
+    /// What w does to the forces, by rows.
+    pub(super) uw: [[f32; 3]; 3],
+}
 
 impl Sym6 {
-    /// A diagonal block.
-    #[must_use]
-    pub(super) fn diagonal(d: [f32; 6]) -> Self {
-        let mut block = Self::default();
-        for (k, place) in PLACES.into_iter().enumerate() {
-            block.0[k][place] = d[k];
-        }
-        block
-    }
-
-    /// self += scale v vᵀ.
-    #[inline(always)]
-    pub(super) fn add_outer(&mut self, scale: f32, v: &V6) {
-        for (k, place) in PLACES.into_iter().enumerate() {
-            let factor = scale * v[place];
-            for row in 0..8 {
-                self.0[k][row] += factor * v[row];
-            }
-        }
-    }
-
     /// self += other.
     #[inline(always)]
     pub(super) fn add(&mut self, other: &Self) {
-        for (column, other) in self.0.iter_mut().zip(&other.0) {
-            for row in 0..8 {
-                column[row] += other[row];
+        self.u.add(&other.u);
+        self.w.add(&other.w);
+        for (row, other) in self.uw.iter_mut().zip(&other.uw) {
+            for (entry, other) in row.iter_mut().zip(other) {
+                *entry += other;
             }
         }
     }
 
+    /// The block as a matrix.
+    #[must_use]
+    pub(super) fn matrix(&self) -> Columns {
+        let (u, w) = (self.u.columns(), self.w.columns());
+        let mut columns = [[0.0; 8]; 6];
+        for k in 0..3 {
+            for row in 0..3 {
+                columns[k][row] = u[k][row];
+                columns[k][4 + row] = self.uw[k][row];
+                columns[3 + k][row] = self.uw[row][k];
+                columns[3 + k][4 + row] = w[k][row];
+            }
+        }
+        Columns(columns)
+    }
+
+    /// The inverse of this block with `shift` on its diagonal. Where a pivot is below `floor`
+    /// times the mean diagonal of its part the diagonal is lifted first, so that the inverse is
+    /// positive definite.
+    #[must_use]
+    pub(super) fn inverse(&self, shift: f32, floor: f32) -> Columns {
+        let (u, w) = (self.u.shifted(shift), self.w.shifted(shift));
+        let least = |part: &Sym3| floor * (part.trace().abs() / 3.0).max(f32::MIN_POSITIVE);
+        // By the Schur complement S = W - Bᵀ U⁻¹ B of U, with B = uw.
+        let (_, inverse_u) = u.inverse_lifted(least(&u));
+        let [x, y, z] = [0, 1, 2].map(|k| {
+            let column = [self.uw[0][k], self.uw[1][k], self.uw[2][k], 0.0];
+            inverse_u.times(&column)
+        });
+        let dot = |row: usize, v: &[f32; 4]| {
+            self.uw[0][row] * v[0] + self.uw[1][row] * v[1] + self.uw[2][row] * v[2]
+        };
+        let complement = w.minus(&Sym3::new([
+            dot(0, &x),
+            dot(1, &y),
+            dot(2, &z),
+            dot(0, &y),
+            dot(0, &z),
+            dot(1, &z),
+        ]));
+        let (_, inverse_w) = complement.inverse_lifted(least(&w));
+        // Below the diagonal -S⁻¹ (U⁻¹B)ᵀ; in the corner U⁻¹ + (U⁻¹B) S⁻¹ (U⁻¹B)ᵀ.
+        let uw: [[f32; 3]; 3] = [0, 1, 2].map(|row| {
+            let of_row = inverse_w.times(&[x[row], y[row], z[row], 0.0]);
+            [-of_row[0], -of_row[1], -of_row[2]]
+        });
+        let corner = |i: usize, k: usize| -(uw[i][0] * x[k] + uw[i][1] * y[k] + uw[i][2] * z[k]);
+        let u = inverse_u.minus(&Sym3::new([
+            -corner(0, 0),
+            -corner(1, 1),
+            -corner(2, 2),
+            -corner(0, 1),
+            -corner(0, 2),
+            -corner(1, 2),
+        ]));
+        Self { u, w: inverse_w, uw }.matrix()
+    }
+}
+
+/// A block by columns, for products.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Columns([V6; 6]);
+
+impl Columns {
     /// self v.
     #[must_use]
     #[inline(always)]
     pub(super) fn times(&self, v: &V6) -> V6 {
         let mut product = [0.0; 8];
-        for (column, place) in self.0.iter().zip(PLACES) {
-            for row in 0..8 {
-                product[row] += column[row] * v[place];
+        for (column, x) in self.0.iter().zip([v[0], v[1], v[2], v[4], v[5], v[6]]) {
+            for (sum, entry) in product.iter_mut().zip(column) {
+                *sum += entry * x;
             }
         }
         product
     }
+}
 
-    /// Traces of the blocks of u and of w.
-    #[must_use]
-    pub(super) fn traces(&self) -> [f32; 2] {
-        let d = |k: usize| self.0[k][PLACES[k]];
-        [d(0) + d(1) + d(2), d(3) + d(4) + d(5)]
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn block() -> Sym6 {
+        Sym6 {
+            u: Sym3::new([4.0, 3.0, 5.0, 0.5, -0.25, 0.75]),
+            w: Sym3::new([2.0, 3.5, 2.5, -0.5, 0.25, 0.5]),
+            uw: [[0.3, -0.6, 0.2], [0.9, 0.1, -0.4], [-0.2, 0.5, 0.7]],
+        }
     }
 
-    /// The inverse of this block with `shift` added to its diagonal. Pivots of its Cholesky
-    /// factor below `floor` times the mean diagonal of u or of w are lifted to it, so that the
-    /// inverse is positive definite.
-    #[must_use]
-    pub(super) fn inverse(&self, shift: f32, floor: f32) -> Self {
-        let [u, w] = self.traces();
-        let least = [u, w].map(|trace| (floor * (trace / 3.0 + shift)).max(f32::MIN_POSITIVE));
-        let mut l = [[0.0f32; 6]; 6];
-        let mut reciprocal = [0.0f32; 6];
-        for k in 0..6 {
-            let mut pivot = self.0[k][PLACES[k]] + shift;
-            for m in 0..k {
-                pivot -= l[k][m] * l[k][m];
-            }
-            let pivot = pivot.max(least[k / 3]).sqrt();
-            l[k][k] = pivot;
-            reciprocal[k] = 1.0 / pivot;
-            for row in k + 1..6 {
-                let mut entry = self.0[k][PLACES[row]];
-                for m in 0..k {
-                    entry -= l[row][m] * l[k][m];
-                }
-                l[row][k] = entry * reciprocal[k];
-            }
+    #[test]
+    fn the_inverse_undoes_the_product() {
+        let x = [1.0, -2.0, 0.5, 0.0, 3.0, 0.25, -1.5, 0.0];
+        let mut y = block().matrix().times(&x);
+        for k in [0, 1, 2, 4, 5, 6] {
+            y[k] += 0.125 * x[k];
         }
-        // L⁻¹ by columns, then (L Lᵀ)⁻¹ = L⁻ᵀ L⁻¹.
-        let mut inverse = [[0.0f32; 6]; 6];
-        for column in 0..6 {
-            inverse[column][column] = reciprocal[column];
-            for row in column + 1..6 {
-                let mut entry = 0.0;
-                for m in column..row {
-                    entry -= l[row][m] * inverse[m][column];
-                }
-                inverse[row][column] = entry * reciprocal[row];
-            }
+        let back = block().inverse(0.125, 0.02).times(&y);
+        for (back, x) in back.iter().zip(x) {
+            assert!((back - x).abs() < 1e-5, "{back} {x}");
         }
-        let mut block = Self::default();
-        for (i, place) in PLACES.into_iter().enumerate() {
-            for k in 0..6 {
-                let from = i.max(k);
-                block.0[k][place] = (from..6).map(|m| inverse[m][i] * inverse[m][k]).sum();
-            }
+    }
+
+    #[test]
+    fn an_indefinite_block_gets_a_positive_inverse() {
+        let mut indefinite = block();
+        indefinite.u = indefinite.u.shifted(-4.0);
+        let inverse = indefinite.inverse(0.0, 0.02);
+        for k in 0..64u32 {
+            let x: V6 = std::array::from_fn(|i| match i {
+                3 | 7 => 0.0,
+                _ => ((k * 8 + i as u32).wrapping_mul(2_654_435_761) >> 16) as f32 / 32768.0 - 1.0,
+            });
+            let energy: f32 = inverse.times(&x).iter().zip(x).map(|(y, x)| y * x).sum();
+            assert!(energy > 0.0, "{energy}");
         }
-        block
     }
 }

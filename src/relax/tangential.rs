@@ -13,8 +13,8 @@ use crate::contact::neighbours::{Neighbours, wall_gap};
 use crate::contact::partial_slip::{self, Step};
 use crate::contact::{Other, hertz, mindlin};
 use crate::model::{Friction, Model};
-use crate::relax::balance::{Balance, Configuration};
 use crate::pack::Layer;
+use crate::relax::balance::{Balance, Configuration};
 use crate::scene::Law;
 use crate::state::{Ledger, Memory, Remembered, State};
 use crate::wall::{self, Bounds};
@@ -402,11 +402,8 @@ impl Reference {
         let Configuration { model, position, rotation, bounds, .. } = *at;
         let pose = Pose { model, position, rotation, bounds };
         balance.tractions.resize(self.contacts.len(), Traction::default());
-        balance
-            .tractions
-            .par_chunks_mut(CHUNK)
-            .zip(self.contacts.par_chunks(CHUNK))
-            .for_each(|(tractions, contacts)| {
+        balance.tractions.par_chunks_mut(CHUNK).zip(self.contacts.par_chunks(CHUNK)).for_each(
+            |(tractions, contacts)| {
                 for (traction, held) in tractions.iter_mut().zip(contacts) {
                     let other = match held.second {
                         Other::Grain(j) => at.carries[j as usize],
@@ -420,7 +417,8 @@ impl Reference {
                         false => Traction::default(),
                     };
                 }
-            });
+            },
+        );
         balance.moment.clear();
         balance.moment.resize(at.position.len(), Vec3::zeros());
         balance.shear_potential = 0.0;
