@@ -1,0 +1,279 @@
+//! One contact at the reference configuration, and its answer in another.
+
+use crate::Vec3;
+use crate::contact::coulomb::{self, Shear};
+use crate::contact::neighbours::wall_gap;
+use crate::contact::partial_slip::{self, Step};
+use crate::contact::{Other, hertz, mindlin};
+use crate::model::{Friction, Model};
+use crate::pack::Layer;
+use crate::relax::tangential::Traction;
+use crate::relax::tangential::turn::{Turn, turned_into_plane};
+use crate::scene::Law;
+use crate::state::{Remembered, State};
+use crate::wall::{self, Bounds};
+
+/// A contact at the reference configuration.
+#[derive(Clone, Copy, Debug)]
+pub struct Held {
+    /// Grain i.
+    pub first: u32,
+    /// The other body.
+    pub second: Other,
+    /// r_ij⁰ \[m\]; at a wall the centre of the grain.
+    pub(super) branch: Vec3,
+    /// n̂⁰.
+    pub(super) normal: Vec3,
+    /// h⁰ \[m\], or the later overlap that stiffness and limit were renewed with.
+    pub overlap: f64,
+    /// h⁰ \[m\].
+    pub reference_overlap: f64,
+    /// What the contact carried, and the elastic energy of that \[J\].
+    pub(super) carried: Remembered,
+    pub(super) carried_energy: f64,
+    /// k_s \[N/m\] (T 3.5a).
+    pub stiffness: f64,
+    /// Q_max = μP \[N\].
+    pub(super) limit: f64,
+    /// k_t \[N m\] (T 3.9a); zero without torsion.
+    pub(super) torsion_stiffness: f64,
+    /// Largest couple \[N m\] (T 3.3.3).
+    pub(super) torsion_limit: f64,
+    /// For partial slip: the contact, the overlap its layers end at and the first of them.
+    pub(super) partial: partial_slip::Contact,
+    pub(super) before: f64,
+    pub(super) first_layer: u32,
+}
+
+/// Where a contact is and how it moved since the reference.
+pub(super) struct Motion {
+    pub(super) normal: Vec3,
+    pub(super) arm: [f64; 2],
+    /// u_s \[m\] (T 3.2).
+    pub(super) slid: Vec3,
+    /// Ω_t \[rad\] (T 3.7).
+    pub(super) twist: f64,
+}
+
+/// Where the grains are.
+pub(super) struct Pose<'a> {
+    pub(super) model: &'a Model,
+    pub(super) position: &'a [Vec3],
+    pub(super) rotation: &'a [Vec3],
+    pub(super) bounds: &'a Bounds,
+}
+
+/// Constants of a pair of bodies in shear.
+pub(super) struct Pair {
+    pub(super) friction: f64,
+    effective_radius: f64,
+    modulus: f64,
+    compliance: f64,
+    shear_compliance: f64,
+    torsion_compliance: f64,
+}
+
+impl Pair {
+    pub(super) fn of(model: &Model, friction: &Friction, first: u32, second: Other) -> Self {
+        let i = first as usize;
+        let (effective_radius, compliance, shear, torsion) = match second {
+            Other::Grain(j) => {
+                let j = j as usize;
+                (
+                    hertz::effective_radius(model.radius[i], model.radius[j]),
+                    model.compliance[j],
+                    friction.shear_compliance[j],
+                    friction.torsion_compliance[j],
+                )
+            }
+            Other::Wall(_) => (
+                model.radius[i],
+                model.wall_compliance,
+                friction.wall_shear_compliance,
+                friction.wall_torsion_compliance,
+            ),
+        };
+        Self {
+            friction: friction.between(first, second),
+            effective_radius,
+            modulus: hertz::modulus(effective_radius, model.compliance[i] + compliance),
+            compliance: model.compliance[i] + compliance,
+            shear_compliance: friction.shear_compliance[i] + shear,
+            torsion_compliance: friction.torsion_compliance[i] + torsion,
+        }
+    }
+
+    pub(super) fn partial(&self) -> partial_slip::Contact {
+        let ratio = partial_slip::stiffness_ratio(self.compliance, self.shear_compliance);
+        partial_slip::Contact { modulus: self.modulus, ratio, friction: self.friction }
+    }
+}
+
+/// The inward normal of wall `w`.
+pub(super) fn wall_normal(w: u8) -> Vec3 {
+    let mut normal = Vec3::zeros();
+    normal[wall::axis(usize::from(w))] = wall::inward(usize::from(w));
+    normal
+}
+
+impl Held {
+    /// The contact of `carried` with r_ij⁰ `branch`, n̂⁰ `normal` and h⁰ `overlap`.
+    pub(super) fn new(
+        pair: &Pair,
+        carried: Remembered,
+        [branch, normal]: [Vec3; 2],
+        overlap: f64,
+        torsion: bool,
+    ) -> Self {
+        let mut held = Self {
+            first: carried.first,
+            second: carried.second,
+            branch,
+            normal,
+            overlap,
+            reference_overlap: overlap,
+            carried,
+            carried_energy: 0.0,
+            stiffness: 0.0,
+            limit: 0.0,
+            torsion_stiffness: 0.0,
+            torsion_limit: 0.0,
+            partial: pair.partial(),
+            before: overlap,
+            first_layer: 0,
+        };
+        held.freeze(pair, overlap, torsion);
+        held.carried_energy = held.energy(&carried.shear, carried.torsion);
+        held
+    }
+
+    /// Takes up the `layers` that the contact remembers, and puts them behind those in `all`.
+    pub(super) fn take_layers(&mut self, layers: &[Layer], all: &mut Vec<Layer>) {
+        self.first_layer = all.len() as u32;
+        if let Some(last) = layers.last() {
+            all.extend_from_slice(layers);
+            self.before = last.reach;
+        } else {
+            // New, or loaded under another law: one ring for all.
+            let shear = &self.carried.shear;
+            let share = match self.limit.is_finite() && self.limit > 0.0 {
+                true => shear / self.limit.max(shear.norm()),
+                false => Vec3::zeros(),
+            };
+            all.push(Layer { reach: self.overlap, ratio: share.into() });
+            self.carried.layers = 1;
+        }
+        self.carried_energy = self.partial.stored(self.layers(all), self.before)
+            + self.twist_energy(self.carried.torsion);
+    }
+
+    /// Lets the contact carry what it remembers even beyond its limit.
+    pub(super) fn be_lenient(&mut self) {
+        self.overlap = self.before;
+        self.limit = self.limit.max(self.carried.shear.norm());
+        self.torsion_limit = self.torsion_limit.max(self.carried.torsion.abs());
+    }
+
+    /// Freezes stiffness and limit at `overlap`.
+    pub(super) fn freeze(&mut self, pair: &Pair, overlap: f64, torsion: bool) {
+        let overlap = overlap.max(0.0);
+        let radius = mindlin::contact_radius(pair.effective_radius, overlap);
+        let force = hertz::force(pair.modulus, overlap);
+        self.overlap = overlap;
+        self.stiffness = mindlin::shear_stiffness(radius, pair.shear_compliance);
+        // An infinite coefficient at an open contact is no limit of zero times infinity.
+        self.limit = if force > 0.0 { pair.friction * force } else { 0.0 };
+        if torsion {
+            self.torsion_stiffness = mindlin::torsion_stiffness(radius, pair.torsion_compliance);
+            self.torsion_limit = mindlin::torsion_limit(radius, self.limit);
+        }
+    }
+
+    /// How the contact moved, for the rotations `rotation` at the reference.
+    pub(super) fn motion(&self, at: &Pose<'_>, rotation: &[Vec3]) -> Motion {
+        let i = self.first as usize;
+        let turned = |k: usize| at.rotation[k] - rotation[k];
+        let xi = at.position[i];
+        let (normal, arm, moved, sweep, twist) = match self.second {
+            Other::Grain(j) => {
+                let j = j as usize;
+                let branch = xi - at.position[j];
+                let distance = branch.norm();
+                let normal = branch / distance;
+                let (ri, rj) = (at.model.radius[i], at.model.radius[j]);
+                // Of the current disc (T 2.16, 3.3a): a frozen one leaves a spurious couple.
+                let arm_i = 0.5 * (distance + (ri - rj) * (ri + rj) / distance);
+                let arm = [arm_i, distance - arm_i];
+                let (wi, wj) = (turned(i), turned(j));
+                let sweep = wi * arm[0] + wj * arm[1];
+                (normal, arm, branch - self.branch, sweep, (wi - wj).dot(&normal))
+            }
+            Other::Wall(w) => {
+                let normal = wall_normal(w);
+                let arm = wall_gap(&xi, usize::from(w), at.bounds); // (3.3b)
+                let wi = turned(i);
+                (normal, [arm, 0.0], xi - self.branch, wi * arm, wi.dot(&normal))
+            }
+        };
+        // (3.2): Ω × R with R = -n̂ arm.
+        let slid = moved - normal * normal.dot(&moved) + normal.cross(&sweep);
+        Motion { normal, arm, slid, twist }
+    }
+
+    /// Answer to `motion` by `law`.
+    pub(super) fn answer(&self, motion: &Motion, law: Law, layers: &[Layer]) -> Traction {
+        let Motion { normal, arm, slid, twist } = *motion;
+        let carried = || turned_into_plane(&self.carried.shear, &normal);
+        let shear = match law {
+            // Renewed while it was open.
+            _ if self.stiffness == 0.0 => Shear::default(),
+            Law::ReturnMap => coulomb::return_map(&carried(), &slid, self.stiffness, self.limit),
+            Law::Secant => coulomb::secant(&carried(), &slid, self.stiffness, self.limit),
+            Law::MindlinDeresiewicz => {
+                let turn = Turn::between(&self.normal, &normal);
+                let answer = self.partial.respond(self.layers(layers), &self.step(&slid, &turn));
+                Shear {
+                    force: turn.forth(&answer.shear),
+                    across: answer.across,
+                    along: answer.along,
+                    direction: turn.forth(&answer.direction),
+                    slides: answer.sliding,
+                    ..Shear::default()
+                }
+            }
+        };
+        let torsion = coulomb::torsion(
+            self.carried.torsion,
+            twist,
+            self.torsion_stiffness,
+            self.torsion_limit,
+        );
+        Traction { live: true, normal, arm, shear, torsion }
+    }
+
+    /// The layers of this contact among those of all.
+    pub(super) fn layers<'a>(&self, layers: &'a [Layer]) -> &'a [Layer] {
+        &layers[self.first_layer as usize..][..self.carried.layers as usize]
+    }
+
+    /// The step of partial slip that `slid` in the turned plane amounts to in the reference plane.
+    pub(super) fn step(&self, slid: &Vec3, turn: &Turn) -> Step {
+        Step { before: self.before, overlap: self.overlap, displacement: turn.back(slid) }
+    }
+
+    /// h \[m\] in `state`, negative when the contact is open.
+    pub(super) fn present_overlap(&self, model: &Model, state: &State) -> f64 {
+        let i = self.first as usize;
+        match self.second {
+            Other::Grain(j) => {
+                let j = j as usize;
+                let distance = (state.position[i] - state.position[j]).norm();
+                model.radius[i] + model.radius[j] - distance
+            }
+            Other::Wall(w) => {
+                let gap = wall_gap(&state.position[i], usize::from(w), &state.bounds(model));
+                model.radius[i] - gap
+            }
+        }
+    }
+}
