@@ -105,8 +105,12 @@ fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
             work.reference.renew(model, state);
             let (iterations, descents) = (outcome.iterations, outcome.descents);
             outcome = relax(model, state, work);
+            let settled = outcome.iterations == 0;
             outcome.iterations += iterations;
             outcome.descents += descents;
+            if settled {
+                break;
+            }
         }
     }
     outcome

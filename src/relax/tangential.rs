@@ -23,7 +23,7 @@ use crate::state::{Remembered, State};
 
 pub use commit::Changes;
 pub use held::Held;
-use held::{Pair, Pose, wall_normal};
+use held::{Midway, Pair, Pose, wall_normal};
 
 /// Contacts that one task answers for; the bits do not depend on it.
 const CHUNK: usize = 512;
@@ -184,14 +184,14 @@ impl Reference {
         }
     }
 
-    /// Renews stiffness and limit with the overlaps of `state`; the displacements still count
-    /// from the reference.
+    /// Renews the limit with the overlaps of `state` and the stiffness with their mean with those
+    /// of the reference; displacements still count from there.
     pub fn renew(&mut self, model: &Model, state: &State) {
         let Some(friction) = &model.friction else { return };
         for held in &mut self.contacts {
             let overlap = held.present_overlap(model, state);
             let pair = Pair::of(model, friction, held.first, held.second);
-            held.freeze(&pair, overlap, friction.torsion);
+            held.freeze(&pair, overlap, Midway::Yes, friction.torsion);
         }
     }
 

@@ -7,7 +7,7 @@ use crate::model::{Friction, Model};
 use crate::pack::Layer;
 use crate::relax::balance::Balance;
 use crate::relax::tangential::Reference;
-use crate::relax::tangential::held::{Held, Motion, Pair, Pose};
+use crate::relax::tangential::held::{Held, Midway, Motion, Pair, Pose};
 use crate::relax::tangential::turn::Turn;
 use crate::scene::Law;
 use crate::state::{Ledger, Memory, Remembered, State};
@@ -47,7 +47,7 @@ impl Reference {
         for (held, traction) in self.contacts.iter().zip(&balance.tractions) {
             let (shear, torsion) = (traction.shear.force, traction.torsion.couple);
             let overlap = held.present_overlap(model, state);
-            if !traction.live || held.stiffness == 0.0 || overlap <= 0.0 {
+            if !traction.live || held.overlap == 0.0 || overlap <= 0.0 {
                 changes.opened += 1;
                 changes.excess = changes.excess.max(shear.norm());
                 ledger.renewal += held.carried_energy;
@@ -55,7 +55,7 @@ impl Reference {
             }
             let mut now = *held;
             let pair = Pair::of(model, friction, held.first, held.second);
-            now.freeze(&pair, overlap, friction.torsion);
+            now.freeze(&pair, overlap, Midway::No, friction.torsion);
             let excess = match traction.shear.slides {
                 true => (shear.norm() - now.limit).abs(),
                 false => shear.norm() - now.limit,

@@ -109,6 +109,15 @@ impl Pair {
     }
 }
 
+/// Which overlap the stiffness of an increment is that of.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Midway {
+    /// That of the limit.
+    No,
+    /// The mean of the reference and that of the limit: a path there and back then closes.
+    Yes,
+}
+
 /// The inward normal of wall `w`.
 pub(super) fn wall_normal(w: u8) -> Vec3 {
     let mut normal = Vec3::zeros();
@@ -142,7 +151,7 @@ impl Held {
             before: overlap,
             first_layer: 0,
         };
-        held.freeze(pair, overlap, torsion);
+        held.freeze(pair, overlap, Midway::No, torsion);
         held.carried_energy = held.energy(&carried.shear, carried.torsion);
         held
     }
@@ -174,18 +183,26 @@ impl Held {
         self.torsion_limit = self.torsion_limit.max(self.carried.torsion.abs());
     }
 
-    /// Freezes stiffness and limit at `overlap`.
-    pub(super) fn freeze(&mut self, pair: &Pair, overlap: f64, torsion: bool) {
+    /// Freezes the limit at `overlap`, and the stiffness there or, as `Midway` says, between the
+    /// reference and there.
+    pub(super) fn freeze(&mut self, pair: &Pair, overlap: f64, midway: Midway, torsion: bool) {
         let overlap = overlap.max(0.0);
-        let radius = mindlin::contact_radius(pair.effective_radius, overlap);
         let force = hertz::force(pair.modulus, overlap);
         self.overlap = overlap;
-        self.stiffness = mindlin::shear_stiffness(radius, pair.shear_compliance);
         // An infinite coefficient at an open contact is no limit of zero times infinity.
         self.limit = if force > 0.0 { pair.friction * force } else { 0.0 };
         if torsion {
-            self.torsion_stiffness = mindlin::torsion_stiffness(radius, pair.torsion_compliance);
+            let radius = mindlin::contact_radius(pair.effective_radius, overlap);
             self.torsion_limit = mindlin::torsion_limit(radius, self.limit);
+        }
+        let acting = match midway {
+            Midway::No => overlap,
+            Midway::Yes => 0.5 * (self.reference_overlap + overlap),
+        };
+        let radius = mindlin::contact_radius(pair.effective_radius, acting);
+        self.stiffness = mindlin::shear_stiffness(radius, pair.shear_compliance);
+        if torsion {
+            self.torsion_stiffness = mindlin::torsion_stiffness(radius, pair.torsion_compliance);
         }
     }
 
@@ -226,7 +243,7 @@ impl Held {
         let carried = || turned_into_plane(&self.carried.shear, &normal);
         let shear = match law {
             // Renewed while it was open.
-            _ if self.stiffness == 0.0 => Shear::default(),
+            _ if self.overlap == 0.0 => Shear::default(),
             Law::ReturnMap => coulomb::return_map(&carried(), &slid, self.stiffness, self.limit),
             Law::Secant => coulomb::secant(&carried(), &slid, self.stiffness, self.limit),
             Law::MindlinDeresiewicz => {
