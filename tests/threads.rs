@@ -8,7 +8,7 @@ mod packs;
 use graintwin::pack::Pack;
 use graintwin::pack::generate::generate;
 use graintwin::report::{Demand, Report};
-use graintwin::scene::{Material, Solver, Walls};
+use graintwin::scene::{Coulomb, Friction, Law, Material, Scene, Solver, Update, Walls};
 use graintwin::twin::Twin;
 use packs::{GLASS, absolute, bits, by_strain, recipe, scene};
 use rayon::ThreadPoolBuilder;
@@ -38,6 +38,7 @@ fn said(report: &Report) -> String {
         .chain(walls.moment.iter().flatten())
         .chain(&network.normal)
         .chain(&network.normal_force)
+        .chain(&network.tangential_force)
         .chain(&network.overlap);
     let bits: Vec<u64> = floats.map(|value| value.to_bits()).collect();
     // `{:?}` of a float is its shortest form that reads back to the same bits.
@@ -56,7 +57,16 @@ fn said(report: &Report) -> String {
 
 /// All that a twin says on the way, and the pack that it ends with.
 fn run(threads: usize, pack: &Pack, path: &[[f64; 3]]) -> (Vec<String>, Vec<u64>) {
-    let mut twin = Twin::new(&scene(), pack, threads).unwrap();
+    run_in(&scene(), threads, pack, path)
+}
+
+fn run_in(
+    scene: &Scene,
+    threads: usize,
+    pack: &Pack,
+    path: &[[f64; 3]],
+) -> (Vec<String>, Vec<u64>) {
+    let mut twin = Twin::new(scene, pack, threads).unwrap();
     let mut reports = vec![said(&twin.start(Demand::ALL))];
     for (sequence, strain) in (1..).zip(path) {
         let command = absolute(sequence, by_strain(&pack.bounds, *strain));
@@ -75,6 +85,24 @@ fn three_hundred_grains_give_the_same_bits_at_any_number_of_threads() {
     for threads in [1, 2, 7] {
         assert!(bits(&made_by(threads, 306)) == bits(&pack), "made by {threads} threads");
         assert!(run(threads, &pack, &PATH) == want, "{threads} threads");
+    }
+}
+
+#[test]
+fn grains_with_friction_give_the_same_bits_at_any_number_of_threads() {
+    let mut pack = made_by(1, 500);
+    pack.grains.iter_mut().for_each(|grain| grain.friction = 0.3);
+    for (law, update) in [
+        (Law::ReturnMap, Update::Frozen),
+        (Law::Secant, Update::Frozen),
+        (Law::MindlinDeresiewicz, Update::Current),
+    ] {
+        let mut scene = scene();
+        scene.contact.friction = Friction::Coulomb(Coulomb { coefficient: 0.3, law, update });
+        let want = run_in(&scene, 1, &pack, &PATH);
+        for threads in [2, 7] {
+            assert!(run_in(&scene, threads, &pack, &PATH) == want, "{law:?}, {threads} threads");
+        }
     }
 }
 
