@@ -20,6 +20,7 @@ use crate::Vec3;
 use crate::contact::hertz;
 use crate::contact::neighbours::Neighbours;
 use crate::model::Model;
+use crate::scene::Law;
 use crate::state::{Memory, State};
 use crate::wall::Bounds;
 use balance::{Balance, Configuration, Sums};
@@ -244,6 +245,10 @@ impl Workspace {
 /// Relaxes `state` at its walls. On a status that is no equilibrium the state is not to be used.
 pub fn relax(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
     let mut outcome = newton(model, state, work);
+    // The forces of the thesis' rule have no potential: there is nothing to descend.
+    if model.friction.as_ref().is_some_and(|friction| friction.law == Law::Secant) {
+        return outcome;
+    }
     for residual in DESCENTS {
         if outcome.status != Status::Unstable && outcome.status != Status::Stalled {
             break;

@@ -64,7 +64,8 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
             return Solved { residual: 0.0, ..end(Status::Unjammed) };
         }
         let patient = iterations > 0 && iterations % PATIENCE == 0;
-        if patient && model.has_gravity() && rattlers::release(model, state, work) {
+        let may_release = model.has_gravity() || work.reference.active;
+        if patient && may_release && rattlers::release(model, state, work) {
             return end(Status::Converged);
         }
         if residual <= tolerance {
@@ -86,7 +87,7 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
         }
         in_a_row = if shifted { in_a_row + 1 } else { 0 };
         if in_a_row > MOST_SHIFTED[usize::from(work.reference.active)] {
-            if model.has_gravity() && rattlers::release(model, state, work) {
+            if may_release && rattlers::release(model, state, work) {
                 return end(Status::Converged);
             }
             return Solved { iterations, ..end(Status::Unstable) };

@@ -201,9 +201,9 @@ pub fn settle(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
     joined
 }
 
-/// Under gravity: whether all that keeps the balance from its tolerance is grains that nothing
+/// Under gravity and with friction: whether all that keeps the balance from its tolerance is grains that nothing
 /// holds. Those are taken out of the balance, to roll or fall on their own until they are caught,
-/// or to float where their weight is negligible among the contact forces.
+/// or to float where they have no weight or a negligible one among the contact forces.
 pub fn release(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
     let tolerance = model.solver.tolerance;
     let Workspace { neighbours, balance, support, reference, .. } = work;
@@ -219,7 +219,8 @@ pub fn release(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
         support[i] += balance.wall_stiffness[i].iter().filter(|&&k| k > 0.0).count() as u32;
     }
     for (held, traction) in reference.contacts.iter().zip(&balance.tractions) {
-        if traction.live && !traction.shear.slides {
+        let holds = traction.live && !traction.shear.slides;
+        if holds && held.present_overlap(model, state) > 0.0 {
             support[held.first as usize] += 1;
             if let Other::Grain(j) = held.second {
                 support[j as usize] += 1;
@@ -234,8 +235,8 @@ pub fn release(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
     };
     let unbalanced = |i: usize| newton::residual(model, force(i), mean_force) > tolerance;
     let loose = |i: usize| {
-        let light = !weighs(model, i, mean_force);
-        support[i] < needed || light && force(i) <= 2.0 * model.weight[i].norm()
+        let weight = model.weight.get(i).map_or(0.0, Vec3::norm);
+        support[i] < needed || !weighs(model, i, mean_force) && force(i) <= 2.0 * weight
     };
     let rest = (0..model.len()).filter(|&i| unbalanced(i)).all(loose);
     if rest {

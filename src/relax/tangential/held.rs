@@ -279,7 +279,7 @@ impl Held {
     }
 
     /// h \[m\] in `state`, negative when the contact is open.
-    pub(super) fn present_overlap(&self, model: &Model, state: &State) -> f64 {
+    pub(in crate::relax) fn present_overlap(&self, model: &Model, state: &State) -> f64 {
         let i = self.first as usize;
         match self.second {
             Other::Grain(j) => {
