@@ -1,181 +1,22 @@
-//! Specimens with friction whose equilibrium is known in closed form. The stiffnesses are written
-//! out here from Hertz' and Mindlin's formulas, the balances are derived beside each test.
+//! Specimens with friction whose equilibrium is known in closed form: a ball between tilted plates,
+//! and the pyramid of the thesis. The stiffnesses are written out here from Hertz' and Mindlin's
+//! formulas, the balances are derived beside each test.
 #![allow(clippy::unwrap_used, reason = "a test that fails may panic")]
 
 #[path = "common/packs.rs"]
 mod packs;
+#[path = "common/rough.rs"]
+mod rough;
 
 use std::f64::consts::{PI, SQRT_2};
 
 use graintwin::Vec3;
 use graintwin::command::Disposition;
 use graintwin::pack::{Grain, Pack};
-use graintwin::report::Measures;
-use graintwin::scene::{Coulomb, Friction, Law, Scene, Update};
+use graintwin::scene::{Law, Scene, Update};
 use graintwin::wall::{self, Bounds};
-use packs::{E_GRAINS, E_WALL, Rig, bead, centered, close, scene_to, state};
-
-/// Radius of the beads \[m\].
-const R: f64 = 1e-4;
-const MU: f64 = 0.3;
-
-fn frictional(tolerance: f64, law: Law) -> Scene {
-    let mut scene = scene_to(tolerance);
-    let coulomb = Coulomb { coefficient: MU, law, update: Update::Frozen };
-    scene.contact.friction = Friction::Coulomb(coulomb);
-    scene
-}
-
-/// Hertz' M of a bead at a wall \[N/m^1.5\].
-fn wall_modulus() -> f64 {
-    4.0 / 3.0 * E_WALL * R.sqrt()
-}
-
-/// Overlap of a bead and a wall that carries `force` \[m\].
-fn wall_overlap(force: f64) -> f64 {
-    (force / wall_modulus()).powf(2.0 / 3.0)
-}
-
-/// Where `f` rises through zero between `low` and `high`, by halving to the last bit.
-fn root(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
-    assert!(f(low) <= 0.0 && f(high) >= 0.0);
-    for _ in 0..200 {
-        let middle = 0.5 * (low + high);
-        *(if f(middle) < 0.0 { &mut low } else { &mut high }) = middle;
-    }
-    0.5 * (low + high)
-}
-
-/// A bead pressed between floor and ceiling, and the two x walls that push it to and fro.
-///
-/// It moves by d along x and does not turn: floor and ceiling answer with the same force Q at the
-/// same arm. A wall x_min that moved inwards by D pushes it with P_x = M (D - d)^1.5, so
-/// P_x = 2 Q. P_z stays, so k_s and μP_z do, and however an increment is divided
-/// Q = k_s (d - d_slip) up to μP_z.
-struct Clamped {
-    /// P_z \[N\].
-    press: f64,
-    /// k_s \[N/m\]: 8 a / ((2 - ν)/G + (2 - ν_w)/G_w) with a = √(R h), G = E/(2 (1 + ν)).
-    stiffness: f64,
-    /// d at which the contacts carry nothing \[m\].
-    slipped: f64,
-    /// Energy that slip took \[J\].
-    heat: f64,
-}
-
-/// Overlap at floor and ceiling \[m\].
-const PRESSED: f64 = 0.01 * R;
-
-impl Clamped {
-    fn new() -> Self {
-        let compliance = 1.8 / (70e9 / 2.4) + 1.505 / (7e12 / 2.99);
-        Self {
-            press: wall_modulus() * PRESSED.powf(1.5),
-            stiffness: 8.0 * (R * PRESSED).sqrt() / compliance,
-            slipped: 0.0,
-            heat: 0.0,
-        }
-    }
-
-    fn pack() -> Pack {
-        let sides = [2.0 * R, 6.0 * R, 2.0 * (R - PRESSED)];
-        Pack { bounds: centered(sides), grains: vec![bead([0.0; 3], R)], history: None }
-    }
-
-    /// Both x walls moved to the side by `to`, so that the bead is always between them.
-    fn walls(to: f64) -> [f64; wall::COUNT] {
-        [to, -to, 0.0, 0.0, 0.0, 0.0]
-    }
-
-    /// Moves the walls by `to`: the force of x_min less that of x_max, and d.
-    fn go(&mut self, to: f64) -> (f64, f64) {
-        let most = MU * self.press;
-        let push = |gap: f64| wall_modulus() * gap.abs().powf(1.5) * gap.signum();
-        let excess = |d: f64| 2.0 * self.stiffness * (d - self.slipped) - push(to - d);
-        let stuck = root(-10.0 * PRESSED, 10.0 * PRESSED, excess);
-        let shear = self.stiffness * (stuck - self.slipped);
-        if shear.abs() <= most {
-            return (2.0 * shear, stuck);
-        }
-        let limited = most.copysign(shear);
-        let d = to - wall_overlap(2.0 * most).copysign(shear);
-        let slipped = d - limited / self.stiffness;
-        self.heat += 2.0 * most * (slipped - self.slipped).abs();
-        self.slipped = slipped;
-        (2.0 * limited, d)
-    }
-}
-
-fn x_force(measures: &Measures) -> f64 {
-    measures.walls.normal_force[0] - measures.walls.normal_force[1]
-}
-
-#[test]
-fn a_clamped_bead_sticks_slides_and_turns_back_as_its_two_contacts_allow() {
-    let unit = PRESSED;
-    // Loads to sticking, to sliding, on, back through zero, to sliding the other way, and again.
-    let path = [0.3, 0.8, 0.9, 1.0, 1.5, 2.0, 1.9, 1.4, 1.0, 0.5, -0.5, -2.0, -1.0, 0.0, 1.0, 2.0];
-    for law in [Law::ReturnMap, Law::Secant] {
-        let mut closed = Clamped::new();
-        let (mut rig, _) = Rig::start(&frictional(1e-13, law), &Clamped::pack());
-        let mut sliding = 0;
-        for share in path {
-            let measures = rig.go_quietly(Clamped::walls(share * unit));
-            let (push, d) = closed.go(share * unit);
-            let what = format!("{law:?} at {share}");
-            // The residual: 1e-13 of the mean force, times a hundred sub-increments at most.
-            let allowed = 1e-11 * closed.press;
-            assert!((x_force(&measures) - push).abs() <= allowed, "{what}: {}", x_force(&measures));
-            let found = rig.twin.pack();
-            assert!((found.grains[0].position[0] - d).abs() <= 1e-11 * unit, "{what}");
-            let turned = Vec3::from(found.history.unwrap().rotation[0]).norm();
-            assert!(turned * R <= 1e-11 * unit, "{what}: turned by {turned:e}");
-            // Floor and ceiling take half of the push each, along it, and P_z.
-            for (w, down) in [(4, -1.0), (5, 1.0)] {
-                let want = [0.5 * push, 0.0, down * closed.press];
-                for (got, want) in measures.walls.force[w].iter().zip(want) {
-                    assert!((got - want).abs() <= allowed, "{what}: {:?}", measures.walls.force[w]);
-                }
-            }
-            let at_limit = push.abs() >= 2.0 * MU * closed.press * (1.0 - 1e-3);
-            sliding += u32::from(at_limit);
-            let ratio = state(&measures).sliding_ratio * f64::from(state(&measures).contacts);
-            // The contact of the x wall is never sheared.
-            assert_eq!(ratio.round() as u32, if at_limit { 2 } else { 0 }, "{what}");
-        }
-        assert!((4..12).contains(&sliding), "{sliding}");
-    }
-}
-
-#[test]
-fn the_loop_of_a_clamped_bead_loses_what_its_slip_takes() {
-    let mut closed = Clamped::new();
-    let (mut rig, _) = Rig::start(&frictional(1e-13, Law::ReturnMap), &Clamped::pack());
-    let ends = [3.0, -3.0, 3.0, -3.0].map(|share| share * PRESSED);
-    let mut loops = Vec::new();
-    for to in ends {
-        let measures = rig.go_quietly(Clamped::walls(to));
-        closed.go(to);
-        close("heat", state(&measures).slip_energy, closed.heat, 1e-10);
-        loops.push((state(&measures), closed.heat));
-    }
-    // From one end to the other the two contacts slip by the way of the bead less the way back to
-    // the other limit: ∮ P_x dD = 2 μP_z · 2 (2 d - 2 μP_z/k_s), d = 3 h - (2 μP_z/M)^(2/3).
-    let most = MU * closed.press;
-    let d = 3.0 * PRESSED - wall_overlap(2.0 * most);
-    let area = 2.0 * most * 2.0 * (2.0 * d - 2.0 * most / closed.stiffness);
-    let (first, last) = (loops[1].0, loops[3].0);
-    close("slip", last.slip_energy - first.slip_energy, area, 1e-10);
-    // The work of the walls is trapezoidal. On a monotone branch that is off by half a step times
-    // the rise of the force at most; a step is 1e-4 of the box over two walls, a branch 4 μP_z.
-    let step = 0.5 * 1e-4 * 2.0 * R;
-    let allowed = 2.0 * 0.5 * step * 4.0 * most;
-    let lost = last.dissipated_energy - first.dissipated_energy;
-    assert!((lost - area).abs() <= allowed, "{lost:e} {area:e} {allowed:e}");
-    assert!(allowed < 0.01 * area);
-    // A closed loop stores nothing.
-    close("stored", last.stored_energy, first.stored_energy, 1e-11);
-}
+use packs::{E_GRAINS, Rig, bead, centered, close};
+use rough::{MU, R, frictional, root, wall_overlap};
 
 /// Rubber balls of 10 mm, whose weight is a tenth of what presses them.
 const BALL: f64 = 0.01;
@@ -184,7 +25,7 @@ const BALL_OVERLAP: f64 = 1e-4;
 
 /// A ball between two plates across z, its weight at `angle` from their normal.
 fn tilted(angle: f64, gravity: f64, gap: f64) -> (Scene, Pack) {
-    let mut scene = frictional(1e-13, Law::ReturnMap);
+    let mut scene = frictional(1e-13, MU, Law::ReturnMap, Update::Frozen);
     scene.gravity = [gravity * angle.sin(), 0.0, -gravity * angle.cos()];
     let ball = Grain {
         position: [0.0; 3],
@@ -328,8 +169,7 @@ fn a_frictional_pyramid_between_smooth_walls_is_strained_self_similarly_without_
         (Law::MindlinDeresiewicz, Update::Frozen),
     ] {
         // A centre at 2R is resolved to 2R 2⁻⁵³, a force whose overlap is 1e-3 of that to 5e-13.
-        let mut scene = frictional(5e-13, law);
-        scene.contact.friction = Friction::Coulomb(Coulomb { coefficient: MU, law, update });
+        let mut scene = frictional(5e-13, MU, law, update);
         scene.walls.friction = Some(0.0);
         let start = pyramid(first);
         let (mut rig, _) = Rig::start(&scene, &start);
