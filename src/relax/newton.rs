@@ -82,6 +82,8 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
         let forcing = (0.3 * tolerance / residual).clamp(0.1, 0.5);
         match step(model, state, work, &bounds, forcing, largest) {
             Some(used) => shifted = used,
+            // Rounding leaves nothing to descend: looking once more found no other minimum.
+            None if residual <= tolerance => return end(Status::Converged),
             None => return end(Status::Stalled),
         }
         in_a_row = if shifted { in_a_row + 1 } else { 0 };
