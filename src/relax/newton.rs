@@ -217,6 +217,8 @@ fn search(model: &Model, state: &mut State, work: &mut Workspace, bounds: &Bound
         let accepted = slope < 0.0
             && ((potential && change <= 1e-4 * factor * slope)
                 || (change.abs() <= flat * size && work.slope(after).abs() <= 0.9 * slope.abs())
+                // Against friction alone the force stays as it is until something else resists.
+                || (!potential && (slope..0.0).contains(&work.slope(after)))
                 || (change.abs() <= 1e-13 * size && self::square(after) < square));
         if accepted {
             std::mem::swap(&mut state.position, &mut work.trial);
