@@ -185,9 +185,9 @@ fn without_a_limit_a_clamped_bead_never_slides() {
 
 #[test]
 fn a_sliding_bead_is_held_by_the_present_press_or_by_that_before_the_increment() {
-    for law in [Law::ReturnMap, Law::Secant] {
+    for law in [Law::ReturnMap, Law::Secant, Law::MindlinDeresiewicz] {
         for update in [Update::Frozen, Update::Current] {
-            let mut scene = frictional(1e-13, MU, law, update);
+            let mut scene = frictional(1e-11, MU, law, update);
             // One sub-increment a command.
             scene.solver.max_strain_increment = 0.1;
             scene.solver.max_overlap_share = 100.0;
@@ -198,12 +198,12 @@ fn a_sliding_bead_is_held_by_the_present_press_or_by_that_before_the_increment()
                 let now = PRESSED * (1.0 + press);
                 let limiting = if update == Update::Frozen { before } else { now };
                 let want = 2.0 * MU * plate_force(limiting);
-                close("push", x_force(&measures), want, 1e-11);
+                close("push", x_force(&measures), want, 1e-10);
                 close("press", measures.walls.normal_force[4], plate_force(now), 1e-11);
                 // The defect is what the present press would change of it.
                 let defect = MU * (plate_force(now) - plate_force(limiting)).abs();
                 let found = state(&measures).friction_defect * state(&measures).mean_normal_force;
-                assert!((found - defect).abs() <= 1e-11 * want, "{update:?}: {found:e} {defect:e}");
+                assert!((found - defect).abs() <= 1e-10 * want, "{update:?}: {found:e} {defect:e}");
                 before = now;
             }
         }
