@@ -83,6 +83,8 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
         let forcing = (0.3 * tolerance / residual).clamp(0.1, 0.5);
         match step(model, state, work, &bounds, forcing, largest) {
             Some(used) => shifted = used,
+            // Rounding leaves nothing to descend: looking once more found no other minimum.
+            None if residual <= tolerance => return end(Status::Converged),
             None => return end(Status::Stalled),
         }
         in_a_row = if shifted { in_a_row + 1 } else { 0 };
@@ -216,6 +218,8 @@ fn search(model: &Model, state: &mut State, work: &mut Workspace, bounds: &Bound
         let accepted = slope < 0.0
             && ((potential && change <= 1e-4 * factor * slope)
                 || (change.abs() <= flat * size && work.slope(after).abs() <= 0.9 * slope.abs())
+                // Against friction alone the force stays as it is until something else resists.
+                || (!potential && (slope..0.0).contains(&work.slope(after)))
                 || (change.abs() <= 1e-13 * size && self::square(after) < square));
         if accepted {
             std::mem::swap(&mut state.position, &mut work.trial);
