@@ -12,7 +12,7 @@ use graintwin::command::Disposition;
 use graintwin::measure::coordination::Histograms;
 use graintwin::pack::Pack;
 use graintwin::report::{Demand, Measures, Moduli, PackState, WallForces};
-use graintwin::scene::Loaded;
+use graintwin::scene::{Friction, Loaded};
 use graintwin::sink::{Served, Sink};
 use graintwin::wall::Bounds;
 
@@ -36,8 +36,14 @@ pub(super) struct Summary {
     increments: u64,
     substeps: u64,
     iterations: u64,
+    /// Frictional contacts that opened and that formed, summed over the increments.
+    opened: u64,
+    formed: u64,
     worst_residual: f64,
     solve_seconds: f64,
+    /// Whether the scene has friction.
+    #[serde(skip)]
+    frictional: bool,
     /// The node, when there was one.
     #[cfg(feature = "ros")]
     node: Option<graintwin::node::Summary>,
@@ -80,8 +86,11 @@ impl Summary {
             increments: 0,
             substeps: 0,
             iterations: 0,
+            opened: 0,
+            formed: 0,
             worst_residual: 0.0,
             solve_seconds: 0.0,
+            frictional: loaded.scene.contact.friction != Friction::None,
             #[cfg(feature = "ros")]
             node: None,
             #[cfg(feature = "ros")]
@@ -162,6 +171,8 @@ impl Summary {
         self.increments = measures.increment;
         if let Some(state) = measures.state {
             self.iterations += u64::from(state.iterations);
+            self.opened += u64::from(state.opened);
+            self.formed += u64::from(state.formed);
             self.worst_residual = self.worst_residual.max(state.residual);
             self.solve_seconds += state.solve_seconds;
         }
