@@ -355,7 +355,7 @@ fn the_history_of_a_pack_is_checked_and_told_and_its_loss_as_well() {
     for file in ["bead.csv", "scene.yaml"] {
         let (code, stdout, stderr) = ended(&mut graintwin(&["check", &bead.text(file)]));
         assert_eq!((code, stderr.as_str()), (0, ""));
-        assert!(stdout.contains("history         1 contacts, of which 1 slide"), "{stdout}");
+        assert!(stdout.contains("history         1 contacts, of which 1 slid last"), "{stdout}");
     }
     let scene = fs::read_to_string(bead.path("scene.yaml")).unwrap();
     let cut = "  cut: {min: [-1, -1, -1], max: [1, 1, 1]}\ncontact:";

@@ -10,13 +10,14 @@ use serde::Serialize;
 
 use graintwin::command::Disposition;
 use graintwin::measure::coordination::Histograms;
-use graintwin::pack::Pack;
+use graintwin::pack::prepare::Reached;
 use graintwin::report::{Demand, Measures, Moduli, PackState, WallForces};
 use graintwin::scene::{Friction, Loaded};
 use graintwin::sink::{Served, Sink};
 use graintwin::wall::Bounds;
 
 use super::Failure;
+use super::specimen::Specimen;
 
 /// Collects answers; SI units, names as in the messages.
 #[derive(Debug, Serialize)]
@@ -27,6 +28,9 @@ pub(super) struct Summary {
     grains: usize,
     #[serde(rename = "box")]
     bounds: Bounds,
+    /// What the preparation of the pack reached, one entry a step.
+    #[serde(skip)]
+    prepared: Vec<Reached>,
     /// Commands by what became of them.
     commands: BTreeMap<String, u64>,
     /// Commands that did not move the walls though they should have.
@@ -73,13 +77,15 @@ struct Moment {
 }
 
 impl Summary {
-    pub(super) fn new(loaded: &Loaded, pack: &Pack) -> Self {
+    pub(super) fn new(loaded: &Loaded, specimen: &Specimen) -> Self {
+        let Specimen { pack, prepared } = specimen;
         Self {
             version: env!("CARGO_PKG_VERSION"),
             scene: loaded.scene.name.clone(),
             file: loaded.file.clone(),
             grains: pack.grains.len(),
             bounds: pack.bounds,
+            prepared: prepared.clone(),
             commands: BTreeMap::new(),
             refused: 0,
             first_refusal: None,

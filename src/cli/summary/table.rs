@@ -7,12 +7,16 @@ use graintwin::wall;
 
 use super::{Moment, Summary};
 use crate::cli::output::significant;
+use crate::cli::specimen;
 
 pub(super) fn write(summary: &Summary) -> String {
     let mut text = String::new();
     let sides = summary.bounds.sides().map(|side| significant(side * 1e3, 5));
     line(&mut text, "scene", &format!("{}, {}", summary.scene, summary.file.display()));
     line(&mut text, "pack", &format!("{} grains in {} mm", summary.grains, sides.join(" x ")));
+    for reached in &summary.prepared {
+        line(&mut text, &format!("step {}", reached.step + 1), &specimen::now(reached));
+    }
     let commands: u64 = summary.commands.values().sum();
     let kinds: Vec<_> =
         summary.commands.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
