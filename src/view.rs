@@ -21,7 +21,7 @@ mod unit;
 
 pub use chart::{Chart, Series, Stroke};
 #[cfg(feature = "mcap")]
-pub use history::{Forces, History};
+pub use history::{Forces, History, Load};
 #[cfg(feature = "mcap")]
 pub use panels::sheets;
 pub use scale::{Axis, Kind};

@@ -8,17 +8,22 @@ mod answers;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
+use std::sync::Arc;
 
 use graintwin::record::Recorder;
 use graintwin::scene::Record;
-use graintwin::sink::Sink;
+use graintwin::sink::{Served, Sink};
 
 use answers::{answers, provenance};
 
 /// A recording of the initial equilibrium and 14 commands, every fifth of them refused.
 fn record(folder: &Path) {
+    write(folder, &answers(14, 40));
+}
+
+fn write(folder: &Path, answers: &[Arc<Served>]) {
     let mut recorder = Recorder::create(folder, &Record::default(), &provenance()).unwrap();
-    for answer in &answers(14, 40) {
+    for answer in answers {
         recorder.served(answer);
     }
     recorder.finish().unwrap();
@@ -65,6 +70,27 @@ fn a_curve_has_a_point_for_each_increment() {
         .collect();
     // Increment 0 and the twelve of 14 commands that were served; six walls.
     assert_eq!(points, [13; 6]);
+}
+
+#[test]
+fn friction_is_drawn_where_contacts_carry_it_and_left_out_elsewhere() {
+    let folder = tempfile::tempdir().unwrap();
+    let (rough, smooth) = (folder.path().join("rough"), folder.path().join("smooth"));
+    record(&rough);
+    let mut without = answers(14, 40);
+    for answer in &mut without {
+        let Some(measures) = &mut Arc::get_mut(answer).unwrap().report.measures else { continue };
+        measures.state.as_mut().unwrap().sliding_ratio = 0.0;
+        measures.network.as_mut().unwrap().tangential_force.fill(0.0);
+    }
+    write(&smooth, &without);
+
+    let (_, stdout, _) = plot(&[&rough]);
+    assert!(stdout.contains("friction.svg"), "{stdout}");
+    let text = fs::read_to_string(rough.join("plots/friction.svg")).unwrap();
+    assert!(text.contains("sliding ratio") && text.contains("tangential over normal"), "{text}");
+    let (_, stdout, _) = plot(&[&smooth]);
+    assert!(!stdout.contains("friction.svg") && stdout.contains("energy.svg"), "{stdout}");
 }
 
 #[test]

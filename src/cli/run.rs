@@ -18,7 +18,6 @@ use super::progress::Progress;
 use super::recording::{self, Recording};
 #[cfg(feature = "ros")]
 use super::ros::Link;
-use super::specimen::Specimen;
 use super::summary::Summary;
 use super::{Cli, Failure, Outcome, output, serve, specimen, stop};
 
@@ -62,17 +61,18 @@ pub(super) fn run(args: &Args, cli: &Cli, bars: &MultiProgress) -> Result<Outcom
     let given = args.commands.as_deref().map(read_commands).transpose()?;
     #[cfg(feature = "mcap")]
     args.record.as_deref().map(recording::reserve).transpose()?;
-    let Specimen { pack, .. } = specimen::build(&loaded, cli.threads(), bars)?;
+    let specimen = specimen::build(&loaded, cli.threads(), bars)?;
+    let pack = &specimen.pack;
     let commands = match &given {
         Some(commands) => commands.clone(),
         None => path::commands(&loaded.scene.load_path, loaded.folder(), &pack.bounds)?,
     };
-    let mut twin = Twin::new(&loaded.scene, &pack, cli.threads())?;
-    let mut summary = Summary::new(&loaded, &pack);
+    let mut twin = Twin::new(&loaded.scene, pack, cli.threads())?;
+    let mut summary = Summary::new(&loaded, &specimen);
     let stop = stop::on_signal()?;
     tracing::info!("{} commands for {} grains", commands.len(), pack.grains.len());
     #[cfg(feature = "mcap")]
-    let mut recording = start_recording(args, &loaded, &pack, cli.threads())?;
+    let mut recording = start_recording(args, &loaded, pack, cli.threads())?;
 
     #[cfg(feature = "ros")]
     let mut link = match args.ros {

@@ -49,7 +49,8 @@ pub(super) fn build(
     Ok(Specimen { pack, prepared })
 }
 
-fn now(reached: &Reached) -> String {
+/// What a step of a preparation has reached.
+pub(super) fn now(reached: &Reached) -> String {
     let Reached { strain, confining_stress, sliding_ratio, .. } = *reached;
     let stress = significant(confining_stress * 1e-6, 4);
     match strain {
@@ -72,7 +73,7 @@ pub(super) fn preparation(prepared: &[Reached]) -> String {
 pub(super) fn history(history: Option<&History>) -> String {
     let Some(history) = history else { return "history         none\n".into() };
     let (contacts, sliding) = (history.contacts.len(), history.sliding());
-    format!("history         {contacts} contacts, of which {sliding} slide\n")
+    format!("history         {contacts} contacts, of which {sliding} slid last\n")
 }
 
 /// Number, size, density and history of a pack.

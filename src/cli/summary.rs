@@ -10,13 +10,14 @@ use serde::Serialize;
 
 use graintwin::command::Disposition;
 use graintwin::measure::coordination::Histograms;
-use graintwin::pack::Pack;
+use graintwin::pack::prepare::Reached;
 use graintwin::report::{Demand, Measures, Moduli, PackState, WallForces};
-use graintwin::scene::Loaded;
+use graintwin::scene::{Friction, Loaded};
 use graintwin::sink::{Served, Sink};
 use graintwin::wall::Bounds;
 
 use super::Failure;
+use super::specimen::Specimen;
 
 /// Collects answers; SI units, names as in the messages.
 #[derive(Debug, Serialize)]
@@ -27,6 +28,9 @@ pub(super) struct Summary {
     grains: usize,
     #[serde(rename = "box")]
     bounds: Bounds,
+    /// What the preparation of the pack reached, one entry a step.
+    #[serde(skip)]
+    prepared: Vec<Reached>,
     /// Commands by what became of them.
     commands: BTreeMap<String, u64>,
     /// Commands that did not move the walls though they should have.
@@ -36,8 +40,14 @@ pub(super) struct Summary {
     increments: u64,
     substeps: u64,
     iterations: u64,
+    /// Frictional contacts that opened and that formed, summed over the increments.
+    opened: u64,
+    formed: u64,
     worst_residual: f64,
     solve_seconds: f64,
+    /// Whether the scene has friction.
+    #[serde(skip)]
+    frictional: bool,
     /// The node, when there was one.
     #[cfg(feature = "ros")]
     node: Option<graintwin::node::Summary>,
@@ -67,21 +77,26 @@ struct Moment {
 }
 
 impl Summary {
-    pub(super) fn new(loaded: &Loaded, pack: &Pack) -> Self {
+    pub(super) fn new(loaded: &Loaded, specimen: &Specimen) -> Self {
+        let Specimen { pack, prepared } = specimen;
         Self {
             version: env!("CARGO_PKG_VERSION"),
             scene: loaded.scene.name.clone(),
             file: loaded.file.clone(),
             grains: pack.grains.len(),
             bounds: pack.bounds,
+            prepared: prepared.clone(),
             commands: BTreeMap::new(),
             refused: 0,
             first_refusal: None,
             increments: 0,
             substeps: 0,
             iterations: 0,
+            opened: 0,
+            formed: 0,
             worst_residual: 0.0,
             solve_seconds: 0.0,
+            frictional: loaded.scene.contact.friction != Friction::None,
             #[cfg(feature = "ros")]
             node: None,
             #[cfg(feature = "ros")]
@@ -162,6 +177,8 @@ impl Summary {
         self.increments = measures.increment;
         if let Some(state) = measures.state {
             self.iterations += u64::from(state.iterations);
+            self.opened += u64::from(state.opened);
+            self.formed += u64::from(state.formed);
             self.worst_residual = self.worst_residual.max(state.residual);
             self.solve_seconds += state.solve_seconds;
         }

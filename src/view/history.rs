@@ -22,6 +22,8 @@ pub struct History {
     pub moduli: Vec<Moduli>,
     /// The forces of the first and of the last contact network, which may be the same.
     pub networks: Option<[Forces; 2]>,
+    /// What the contacts of each network carry together.
+    pub loads: Vec<Load>,
     /// Topics that were passed over, and why.
     pub passed_over: BTreeSet<String>,
     /// Messages that are not what their topic says.
@@ -46,6 +48,17 @@ pub struct Forces {
     pub increment: u64,
     /// Normal forces \[N\].
     pub normal: Vec<f64>,
+}
+
+/// What all contacts of one equilibrium carry together.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Load {
+    /// The increment.
+    pub increment: u64,
+    /// Sum of the normal forces \[N\].
+    pub normal: f64,
+    /// Sum of the magnitudes of the tangential forces \[N\].
+    pub tangential: f64,
 }
 
 /// What is read of a scene; it may be of another version.
@@ -108,6 +121,7 @@ impl History {
 
     /// A live network comes in chunks, which follow upon each other.
     fn add_network(&mut self, network: ContactNetwork) {
+        self.add_load(&network);
         let ContactNetwork { increment, chunk, normal_force: normal, .. } = network;
         let forces = Forces { increment, normal };
         let Some([first, last]) = &mut self.networks else {
@@ -121,6 +135,19 @@ impl History {
                 first.normal.extend(&forces.normal);
             }
             last.normal.extend(forces.normal);
+        }
+    }
+
+    fn add_load(&mut self, network: &ContactNetwork) {
+        let normal: f64 = network.normal_force.iter().sum();
+        let size = |force: &[f64]| force.iter().map(|part| part * part).sum::<f64>().sqrt();
+        let tangential: f64 = network.tangential_force.chunks_exact(3).map(size).sum();
+        match self.loads.last_mut() {
+            Some(last) if network.chunk > 0 && last.increment == network.increment => {
+                last.normal += normal;
+                last.tangential += tangential;
+            }
+            _ => self.loads.push(Load { increment: network.increment, normal, tangential }),
         }
     }
 
@@ -155,4 +182,32 @@ fn scene_name(bag: &Bag) -> Option<String> {
     let text = bag.attachment("scene.yaml").ok()??;
     let scene: Named = serde_saphyr::from_str(std::str::from_utf8(&text).ok()?).ok()?;
     Some(scene.name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chunks_of_one_equilibrium_make_one_load() {
+        let network = |increment: u64, chunk: u32, tangential: [f64; 3]| ContactNetwork {
+            increment,
+            chunk,
+            chunk_count: 2,
+            normal_force: vec![7.0],
+            tangential_force: tangential.to_vec(),
+            ..ContactNetwork::default()
+        };
+        let mut history = History::default();
+        history.add_network(network(4, 0, [3.0, 0.0, 4.0]));
+        history.add_network(network(4, 1, [0.0, -2.0, 0.0]));
+        history.add_network(network(5, 0, [0.0; 3]));
+        assert_eq!(
+            history.loads,
+            [
+                Load { increment: 4, normal: 14.0, tangential: 7.0 },
+                Load { increment: 5, normal: 7.0, tangential: 0.0 },
+            ]
+        );
+    }
 }

@@ -1,5 +1,6 @@
 //! The charts of a recording.
 
+mod friction;
 mod measures;
 mod moduli;
 mod solver;
@@ -27,10 +28,11 @@ pub fn sheets(history: &History, title: &str) -> Vec<(&'static str, Sheet)> {
     let porosity = measures::porosity(history, &strain);
     let forces = measures::force_distribution(history);
     let energy = measures::energy(history, &strain);
+    let friction = friction::mobilised(history, &strain);
     let effort = [solver::iterations(history), solver::residual(history)];
 
     // The most telling first; the later ones stand in where an earlier one has no value.
-    let telling = [&stress, &walls, &moduli, &forces, &coordination, &porosity];
+    let telling = [&stress, &walls, &moduli, &friction, &forces, &coordination, &porosity];
     let overview: Vec<Chart> =
         telling.into_iter().filter(|chart| !chart.is_empty()).take(OVERVIEW).cloned().collect();
     let sheets = [
@@ -39,6 +41,7 @@ pub fn sheets(history: &History, title: &str) -> Vec<(&'static str, Sheet)> {
         ("wall_forces", vec![walls]),
         ("moduli", vec![moduli, ratio]),
         ("coordination", vec![coordination, porosity]),
+        ("friction", vec![friction]),
         ("energy", vec![energy]),
         ("effort", effort.to_vec()),
         ("forces", vec![forces]),

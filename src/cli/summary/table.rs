@@ -7,12 +7,16 @@ use graintwin::wall;
 
 use super::{Moment, Summary};
 use crate::cli::output::significant;
+use crate::cli::specimen;
 
 pub(super) fn write(summary: &Summary) -> String {
     let mut text = String::new();
     let sides = summary.bounds.sides().map(|side| significant(side * 1e3, 5));
     line(&mut text, "scene", &format!("{}, {}", summary.scene, summary.file.display()));
     line(&mut text, "pack", &format!("{} grains in {} mm", summary.grains, sides.join(" x ")));
+    for reached in &summary.prepared {
+        line(&mut text, &format!("step {}", reached.step + 1), &specimen::now(reached));
+    }
     let commands: u64 = summary.commands.values().sum();
     let kinds: Vec<_> =
         summary.commands.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
@@ -32,6 +36,10 @@ pub(super) fn write(summary: &Summary) -> String {
             significant(summary.solve_seconds, 3),
         ),
     );
+    if summary.frictional {
+        let what = format!("{} contacts opened, {} formed", summary.opened, summary.formed);
+        line(&mut text, "friction", &what);
+    }
     #[cfg(feature = "ros")]
     if let Some(node) = &summary.node {
         line(
@@ -72,7 +80,7 @@ pub(super) fn write(summary: &Summary) -> String {
         text.push('\n');
         let from = format!("increment {}", start.increment);
         row(&mut text, "", "", &from, &format!("increment {}", end.increment));
-        for (name, unit, from, to) in rows(start, end) {
+        for (name, unit, from, to) in rows(start, end, summary.frictional) {
             row(&mut text, name, unit, &shown(from), &shown(to));
         }
     }
@@ -81,7 +89,7 @@ pub(super) fn write(summary: &Summary) -> String {
 
 type Row = (&'static str, &'static str, Option<f64>, Option<f64>);
 
-fn rows(start: &Moment, end: &Moment) -> Vec<Row> {
+fn rows(start: &Moment, end: &Moment, frictional: bool) -> Vec<Row> {
     let mut rows = Vec::new();
     let mut add = |name, unit, of: &dyn Fn(&Moment) -> Option<f64>| {
         rows.push((name, unit, of(start), of(end)));
@@ -101,7 +109,17 @@ fn rows(start: &Moment, end: &Moment) -> Vec<Row> {
     add("coordination", "", &|moment| Some(moment.state?.coordination_number));
     add("contacts", "", &|moment| Some(f64::from(moment.state?.contacts)));
     add("rattlers", "", &|moment| Some(f64::from(moment.state?.rattlers)));
+    if frictional {
+        add("sliding ratio", "", &|moment| Some(moment.state?.sliding_ratio));
+        add("tangential/normal", "", &|moment| {
+            let state = moment.state?;
+            Some(state.mean_tangential_force / state.mean_normal_force)
+        });
+    }
     add("stored energy", "J", &|moment| Some(moment.state?.stored_energy));
+    if frictional {
+        add("dissipated energy", "J", &|moment| Some(moment.state?.dissipated_energy));
+    }
     let mut add = |name, unit, of: fn(&Moduli) -> f64| {
         let known = |moment: &Moment| moment.moduli.as_ref().map(of);
         rows.push((name, unit, known(start), known(end)));
