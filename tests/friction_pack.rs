@@ -1,11 +1,8 @@
-//! Packs with friction: against four independent codes, from several starts, and where the energy
-//! goes.
+//! Packs with friction: from several starts, the stress by two ways, and where the energy goes.
 #![allow(clippy::unwrap_used, reason = "a test that fails may panic")]
 
 #[path = "common/packs.rs"]
 mod packs;
-
-use std::path::Path;
 
 use graintwin::Vec3;
 use graintwin::measure::walls;
@@ -14,7 +11,7 @@ use graintwin::pack::{self, Pack};
 use graintwin::relax::advance::move_walls;
 use graintwin::relax::{Status, Workspace, relax};
 use graintwin::report::PackState;
-use graintwin::scene::{self, Coulomb, Friction, Law, Loaded, Scene, Update};
+use graintwin::scene::{Coulomb, Friction, Law, Scene, Update};
 use graintwin::state::State;
 use graintwin::wall;
 use packs::{Rig, by_strain, close, made, scene_to, state};
@@ -30,35 +27,6 @@ fn frictional(tolerance: f64, coefficient: f64, law: Law, update: Update) -> Sce
     let mut scene = scene_to(tolerance);
     scene.contact.friction = Friction::Coulomb(Coulomb { coefficient, law, update });
     scene
-}
-
-#[test]
-fn the_benchmark_pack_agrees_with_four_other_codes() {
-    // LAMMPS 2025 (mindlin and mindlin/force), LIGGGHTS and YADE after the same ten increments
-    // from no shear: shared table of the benchmark, walls x_min to z_max [N].
-    const PEERS: [[f64; wall::COUNT]; 4] = [
-        [77.7623, 77.0599, 77.3925, 77.6100, 105.2047, 105.1045],
-        [77.7670, 77.0769, 77.4074, 77.6155, 105.0882, 104.9923],
-        [77.7608, 77.0584, 77.3914, 77.6074, 105.2042, 105.1070],
-        [77.7556, 77.0607, 77.3934, 77.5978, 105.1520, 105.0568],
-    ];
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/g2740.yaml");
-    let text =
-        std::fs::read_to_string(&file).unwrap() + "contact: {friction: {coefficient: 0.3}}\n";
-    let scene = scene::parse(&text, &file).unwrap();
-    let pack = pack::build(&Loaded { scene: scene.clone(), file }).unwrap();
-    let (mut rig, report) = Rig::start(&scene, &pack);
-    assert_eq!(state(&report.measures.unwrap()).iterations, 0);
-    let mut forces = [0.0; wall::COUNT];
-    for k in 1..=10 {
-        let to = by_strain(&pack.bounds, [0.0, 0.0, 1e-4 * f64::from(k)]);
-        forces = rig.go_quietly(to).walls.normal_force;
-    }
-    for peer in PEERS {
-        for w in 0..wall::COUNT {
-            close(wall::NAMES[w], forces[w], peer[w], 2e-3);
-        }
-    }
 }
 
 /// Walls, positions and rotations of the next equilibrium after `strain`, with the grains started
@@ -154,6 +122,39 @@ fn without_friction_nothing_turns_and_nothing_is_remembered() {
         let (rig, _) = Rig::start(&scene, &pack);
         assert_eq!(rig.twin.pack().history, None);
     }
+}
+
+#[test]
+fn the_contact_stress_is_the_moment_of_the_wall_loads() {
+    // Σ F⊗r over all contacts is Σ F⊗x over the loads of the walls for a pack in equilibrium; the
+    // wall stress leaves out the shear of the side walls, which carries load too.
+    let scene = frictional(1e-11, 0.3, Law::ReturnMap, Update::Frozen);
+    let pack = rough(150, 1e7, 5, 0.3);
+    let (mut rig, _) = Rig::start(&scene, &pack);
+    rig.go_quietly(by_strain(&pack.bounds, [0.0, 0.0, 5e-4]));
+    let measures = rig.go_quietly(by_strain(&pack.bounds, [0.0, 0.0, 1e-3]));
+    let now = rig.twin.pack();
+    let network = measures.network.clone().unwrap();
+    let mut stress = nalgebra::Matrix3::zeros();
+    for (k, (&first, &second)) in network.first.iter().zip(&network.second).enumerate() {
+        if pack::wall_of(second).is_some() {
+            let row = |of: &[f64]| Vec3::new(of[3 * k], of[3 * k + 1], of[3 * k + 2]);
+            let normal = row(&network.normal);
+            let grain = &now.grains[first as usize];
+            let arm = grain.radius - network.overlap[k];
+            let at = Vec3::from(grain.position) - normal * arm;
+            let on_pack = normal * network.normal_force[k] + row(&network.tangential_force);
+            // Compression is positive: the load points inwards.
+            stress -= on_pack * at.transpose();
+        }
+    }
+    stress /= now.bounds.volume();
+    let state = state(&measures);
+    for (k, want) in stress.transpose().iter().enumerate() {
+        let off = (state.stress_contacts[k] - want).abs() / state.confining_stress;
+        assert!(off <= 1e-10, "entry {k}: off by {off:e}");
+    }
+    assert!(state.stress_contacts[8] < 0.99 * state.stress_walls[8]);
 }
 
 /// Runs `strains` and returns the states, the initial one first.
