@@ -89,6 +89,7 @@ impl MadeUpTwin {
                 residual: n.next(),
                 solve_seconds: n.next(),
                 converged: n.index().is_multiple_of(2),
+                ..PackState::default()
             }),
             moduli: demand.moduli.then(|| Moduli {
                 valid: n.index().is_multiple_of(2),
