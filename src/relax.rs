@@ -20,7 +20,6 @@ use crate::Vec3;
 use crate::contact::hertz;
 use crate::contact::neighbours::Neighbours;
 use crate::model::Model;
-use crate::scene::Law;
 use crate::state::{Memory, State};
 use crate::wall::Bounds;
 use balance::{Balance, Configuration, Sums};
@@ -38,8 +37,9 @@ const FRICTIONAL_CAP: f64 = 0.1;
 
 /// Residuals of the descents from an unstable configuration, one after the other.
 const DESCENTS: [f64; 5] = [1e-3, 3e-4, 1e-4, 1e-5, 1e-6];
-/// Steps of a descent.
-const MOST_DESCENT: u32 = 100_000;
+/// Steps of a descent, without friction and with it: not every law of friction has a potential,
+/// and where there is none a descent may go round in circles.
+const MOST_DESCENT: [u32; 2] = [100_000, 3000];
 
 /// How a relaxation ended. All but the first two leave no state to trust.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -245,15 +245,12 @@ impl Workspace {
 /// Relaxes `state` at its walls. On a status that is no equilibrium the state is not to be used.
 pub fn relax(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
     let mut outcome = newton(model, state, work);
-    // The forces of the thesis' rule have no potential: there is nothing to descend.
-    if model.friction.as_ref().is_some_and(|friction| friction.law == Law::Secant) {
-        return outcome;
-    }
     for residual in DESCENTS {
         if outcome.status != Status::Unstable && outcome.status != Status::Stalled {
             break;
         }
-        let goal = fire::Goal { residual, pressure: None, steps: MOST_DESCENT };
+        let steps = MOST_DESCENT[usize::from(work.reference.active)];
+        let goal = fire::Goal { residual, pressure: None, steps };
         fire::descend(model, state, work, goal);
         let (iterations, descents) = (outcome.iterations, outcome.descents);
         outcome = newton(model, state, work);
