@@ -19,7 +19,7 @@ mod svg;
 mod ticks;
 mod unit;
 
-pub use chart::{Chart, Series, Stroke};
+pub use chart::{Chart, Pattern, Series, Stroke};
 #[cfg(feature = "mcap")]
 pub use history::{Forces, History, Load};
 #[cfg(feature = "mcap")]

@@ -20,10 +20,12 @@ pub struct Chart {
 /// A line of a chart.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// Its name in the legend.
+    /// Its name in the legend, where a series without a name is not.
     pub name: String,
     /// Places in the units of the axes; what has none breaks the line.
     pub points: Vec<[f64; 2]>,
+    /// Lowest and highest y about each point, in their order, drawn as a pale band; may be empty.
+    pub spread: Vec<[f64; 2]>,
     /// How it is drawn.
     pub stroke: Stroke,
 }
@@ -35,6 +37,19 @@ pub struct Stroke {
     pub color: &'static str,
     /// Width \[pixels\].
     pub width: f64,
+    /// Unbroken, dashed or none.
+    pub pattern: Pattern,
+}
+
+/// What joins the points of a series.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pattern {
+    /// A line; its points are marked when they are few.
+    Solid,
+    /// A dashed line without marks, for theories and limits.
+    Dashed,
+    /// Nothing: the points are marked.
+    Dots,
 }
 
 impl Stroke {
@@ -45,7 +60,13 @@ impl Stroke {
     /// The stroke of the `number`th line of a chart.
     #[must_use]
     pub const fn of(number: usize) -> Self {
-        Self { color: Self::COLORS[number % Self::COLORS.len()], width: 1.8 }
+        Self::solid(Self::COLORS[number % Self::COLORS.len()], 1.8)
+    }
+
+    /// An unbroken line of a colour and width \[pixels\].
+    #[must_use]
+    pub const fn solid(color: &'static str, width: f64) -> Self {
+        Self { color, width, pattern: Pattern::Solid }
     }
 }
 
@@ -53,7 +74,7 @@ impl Series {
     /// A line in the colour of its `number` in the chart.
     pub fn new(number: usize, name: &str, points: impl IntoIterator<Item = [f64; 2]>) -> Self {
         let points = points.into_iter().collect();
-        Self { name: name.into(), points, stroke: Stroke::of(number) }
+        Self { name: name.into(), points, spread: Vec::new(), stroke: Stroke::of(number) }
     }
 }
 
@@ -67,6 +88,16 @@ impl Chart {
     /// The series that can be drawn, at least in part.
     pub(super) fn shown(&self) -> impl Iterator<Item = &Series> {
         self.series.iter().filter(|series| self.has_points(series))
+    }
+
+    /// The places of a band between which it is drawn, piece by piece.
+    pub(super) fn bands(&self, series: &Series) -> Vec<Vec<[f64; 3]>> {
+        let places = series.points.iter().zip(&series.spread);
+        let places: Vec<[f64; 3]> =
+            places.map(|(at, between)| [at[0], between[0], between[1]]).collect();
+        let drawn = |[x, low, high]: &[f64; 3]| self.takes([*x, *low]) && self.takes([*x, *high]);
+        let pieces = places.split(|place| !drawn(place)).filter(|piece| piece.len() > 1);
+        pieces.map(<[_]>::to_vec).collect()
     }
 
     /// The unbroken pieces of a series.

@@ -1,6 +1,6 @@
 //! A chart as SVG elements.
 
-use super::chart::{Chart, Series};
+use super::chart::{Chart, Pattern, Series};
 use super::layout::{LABEL, NOTE, rows, width, wrapped};
 use super::scale::{Kind, Scale};
 use super::svg::{Anchor, Svg};
@@ -66,7 +66,7 @@ pub(super) fn draw(svg: &mut Svg, chart: &Chart, at: [f64; 2], size: [f64; 2]) {
 
 /// Draws the legend when there is more than one line; returns where it ends.
 fn legend(svg: &mut Svg, chart: &Chart, [left, top]: [f64; 2], room: f64) -> f64 {
-    let shown: Vec<&Series> = chart.shown().collect();
+    let shown: Vec<&Series> = chart.shown().filter(|series| !series.name.is_empty()).collect();
     if shown.is_empty() {
         return top;
     }
@@ -76,7 +76,12 @@ fn legend(svg: &mut Svg, chart: &Chart, [left, top]: [f64; 2], room: f64) -> f64
     for (series, (row, offset)) in shown.iter().zip(rows(&widths, 14.0, room)) {
         let at = [left + offset, top + ROW * row as f64];
         svg.begin_sample(series.stroke.color, series.stroke.width);
-        svg.polyline(&[[at[0], at[1] - 4.0], [at[0] + SAMPLE, at[1] - 4.0]]);
+        let middle = at[1] - 4.0;
+        match series.stroke.pattern {
+            Pattern::Solid => svg.polyline(&[[at[0], middle], [at[0] + SAMPLE, middle]]),
+            Pattern::Dashed => svg.dashed(&[[at[0], middle], [at[0] + SAMPLE, middle]]),
+            Pattern::Dots => svg.dot([at[0] + 0.5 * SAMPLE, middle], dot_radius(series)),
+        }
         svg.end();
         svg.text("label", [at[0] + SAMPLE + 6.0, at[1]], Anchor::Start, &series.name);
         end = at[1];
@@ -90,7 +95,11 @@ fn frame(chart: &Chart, [left, top]: [f64; 2], [right, bottom]: [f64; 2]) -> Opt
         let points = chart.shown().flat_map(|series| chart.pieces(series)).flatten();
         points.map(move |point| point[which])
     };
-    let y = Scale::fit(&chart.y, coordinate(1), 5)?;
+    let spread = || {
+        let bands = chart.shown().flat_map(|series| chart.bands(series));
+        bands.flatten().flat_map(|[_, low, high]| [low, high])
+    };
+    let y = Scale::fit(&chart.y, coordinate(1).chain(spread()), 5)?;
     let x = Scale::fit(&chart.x, coordinate(0), 6)?;
     let widest = y.ticks.labels.iter().map(|label| width(label, LABEL)).fold(0.0, f64::max);
     Some(Frame {
@@ -131,16 +140,31 @@ fn axes(svg: &mut Svg, frame: &Frame, chart: &Chart) {
 fn line(svg: &mut Svg, frame: &Frame, chart: &Chart, series: &Series) {
     let stroke = series.stroke;
     svg.begin_series(&series.name, stroke.color, stroke.width);
-    let few = series.points.len() <= MOST_DOTS;
+    for band in chart.bands(series) {
+        let low = band.iter().map(|[x, low, _]| frame.place([*x, *low]));
+        let high = band.iter().rev().map(|[x, _, high]| frame.place([*x, *high]));
+        svg.area(&low.chain(high).collect::<Vec<_>>());
+    }
+    let few = stroke.pattern == Pattern::Solid && series.points.len() <= MOST_DOTS;
+    let marked = few || stroke.pattern == Pattern::Dots;
     for piece in chart.pieces(series) {
         let places: Vec<[f64; 2]> = piece.iter().map(|point| frame.place(*point)).collect();
         if places.len() > 1 {
-            svg.polyline(&places);
+            match stroke.pattern {
+                Pattern::Solid => svg.polyline(&places),
+                Pattern::Dashed => svg.dashed(&places),
+                Pattern::Dots => {}
+            }
         }
         // A point between two gaps would not be seen as a line.
-        if few || places.len() == 1 {
-            places.iter().for_each(|place| svg.dot(*place, stroke.width + 0.6));
+        if marked || places.len() == 1 {
+            places.iter().for_each(|place| svg.dot(*place, dot_radius(series)));
         }
     }
     svg.end();
+}
+
+/// Radius of a marked point \[pixels\].
+fn dot_radius(series: &Series) -> f64 {
+    series.stroke.width + 0.6
 }

@@ -61,7 +61,9 @@ impl Svg {
 
     /// Begins the line in the legend.
     pub(super) fn begin_sample(&mut self, color: &str, width: f64) {
-        self.push(format_args!(r#"<g class="sample" stroke="{color}" stroke-width="{width}">"#));
+        self.push(format_args!(
+            r#"<g class="sample" stroke="{color}" fill="{color}" stroke-width="{width}">"#
+        ));
     }
 
     pub(super) fn begin(&mut self, class: &str) {
@@ -73,14 +75,23 @@ impl Svg {
     }
 
     pub(super) fn polyline(&mut self, points: &[[f64; 2]]) {
-        let mut places = String::with_capacity(14 * points.len());
-        for [x, y] in points {
-            if !places.is_empty() {
-                places.push(' ');
-            }
-            append(&mut places, format_args!("{x:.2},{y:.2}"));
-        }
+        let places = list(points);
         self.push(format_args!(r#"<polyline fill="none" points="{places}"/>"#));
+    }
+
+    pub(super) fn dashed(&mut self, points: &[[f64; 2]]) {
+        let places = list(points);
+        self.push(format_args!(
+            r#"<polyline fill="none" stroke-dasharray="6 4" points="{places}"/>"#
+        ));
+    }
+
+    /// A pale area within a closed line.
+    pub(super) fn area(&mut self, points: &[[f64; 2]]) {
+        let places = list(points);
+        self.push(format_args!(
+            r#"<polygon stroke="none" fill-opacity="0.18" points="{places}"/>"#
+        ));
     }
 
     pub(super) fn dot(&mut self, [x, y]: [f64; 2], radius: f64) {
@@ -102,6 +113,18 @@ impl Svg {
         append(&mut self.0, element);
         self.0.push('\n');
     }
+}
+
+/// Places as the attribute `points` has them.
+fn list(points: &[[f64; 2]]) -> String {
+    let mut places = String::with_capacity(14 * points.len());
+    for [x, y] in points {
+        if !places.is_empty() {
+            places.push(' ');
+        }
+        append(&mut places, format_args!("{x:.2},{y:.2}"));
+    }
+    places
 }
 
 fn append(text: &mut String, what: std::fmt::Arguments<'_>) {

@@ -36,12 +36,12 @@ pub(super) fn stress(history: &History, strain: &Strain) -> Chart {
 
 /// Strokes of two opposite walls, which often carry the same: the second shows within the first.
 const WALLS: [Stroke; wall::COUNT] = [
-    Stroke { color: "#9cc9e8", width: 5.0 },
-    Stroke { color: "#0072b2", width: 1.4 },
-    Stroke { color: "#f7d08a", width: 5.0 },
-    Stroke { color: "#c77f00", width: 1.4 },
-    Stroke { color: "#94d8c4", width: 5.0 },
-    Stroke { color: "#00795a", width: 1.4 },
+    Stroke::solid("#9cc9e8", 5.0),
+    Stroke::solid("#0072b2", 1.4),
+    Stroke::solid("#f7d08a", 5.0),
+    Stroke::solid("#c77f00", 1.4),
+    Stroke::solid("#94d8c4", 5.0),
+    Stroke::solid("#00795a", 1.4),
 ];
 
 /// Normal forces on the six walls.
@@ -49,7 +49,7 @@ pub(super) fn wall_forces(history: &History) -> Chart {
     let line = |(wall, stroke): (usize, &Stroke)| {
         let point = |walls: &WallForces| [walls.increment as f64, walls.normal_force[wall]];
         let points = history.walls.iter().map(point).collect();
-        Series { name: wall::NAMES[wall].into(), points, stroke: *stroke }
+        Series { name: wall::NAMES[wall].into(), points, spread: Vec::new(), stroke: *stroke }
     };
     Chart {
         title: "Wall forces".into(),
