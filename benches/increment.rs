@@ -90,7 +90,6 @@ fn with_friction(scene: &Scene, pack: &Pack) {
     println!("law                   median ms   mean ms  Newton steps  products      F_z [N]");
     for (name, friction) in [
         ("none", Friction::None),
-        ("return_map, mu 1e-30", coulomb(1e-30, Law::ReturnMap, Update::Frozen)),
         ("return_map, mu 0.3", coulomb(0.3, Law::ReturnMap, Update::Frozen)),
         ("  update: current", coulomb(0.3, Law::ReturnMap, Update::Current)),
         ("secant, mu 0.3", coulomb(0.3, Law::Secant, Update::Frozen)),
