@@ -21,6 +21,9 @@ pub enum TwinError {
     /// No grain.
     #[error("the pack has no grains: at least one is needed")]
     Empty,
+    /// The history does not belong to the pack.
+    #[error("the history of the pack: {0}")]
+    History(String),
     /// The operating system gave no threads.
     #[error("cannot start {threads} solver threads: {source}")]
     Threads {
@@ -51,10 +54,14 @@ impl Twin {
     /// (0 = one a core). The bits of its answers do not depend on `threads`.
     ///
     /// # Errors
-    /// When the pack is empty or the threads cannot be started.
+    /// When the pack is empty, its history is not that of such a pack, or the threads cannot be
+    /// started.
     pub fn new(scene: &Scene, pack: &Pack, threads: usize) -> Result<Self, TwinError> {
         if pack.grains.is_empty() {
             return Err(TwinError::Empty);
+        }
+        if let Some(history) = &pack.history {
+            history.check(pack.grains.len()).map_err(TwinError::History)?;
         }
         let pool = ThreadPoolBuilder::new()
             .num_threads(threads)

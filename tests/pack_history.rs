@@ -10,7 +10,8 @@ use std::fs;
 use std::path::PathBuf;
 
 use graintwin::pack::{self, ContactMemory, Grain, History, Layer, Pack, PackError};
-use graintwin::scene::{self, Loaded};
+use graintwin::scene::{self, Coulomb, Friction, Loaded};
+use graintwin::twin::Twin;
 use packs::{bead, centered};
 use proptest::prelude::*;
 
@@ -285,4 +286,26 @@ fn a_history_that_could_not_be_read_is_not_stored() {
     assert_eq!(message, "p.history.json: contacts[1].shear[2]: NaN; allowed: a finite number");
     let message = refused(&|history| history.rotation.truncate(2));
     assert_eq!(message, "p.history.json: rotations: 2 entries; allowed: 4, one a grain");
+}
+
+#[test]
+fn a_twin_refuses_a_history_of_another_pack() {
+    let mut scene = packs::scene();
+    scene.contact.friction = Friction::Coulomb(Coulomb::default());
+    let mut pack = frictional();
+    let error = |pack: &Pack| Twin::new(&scene, pack, 1).unwrap_err().to_string();
+    let contacts = |pack: &mut Pack| pack.history.take().unwrap().contacts;
+    let (rotation, mut wrong) = (vec![[0.0; 3]; 4], contacts(&mut pack));
+    wrong[0].first = 4;
+    wrong[0].second = 5;
+    pack.history = Some(History { rotation, contacts: wrong });
+    assert_eq!(
+        error(&pack),
+        "the history of the pack: contacts[0].first: 4; allowed: a grain, 0 to 3"
+    );
+    pack.history = Some(History::default());
+    assert_eq!(
+        error(&pack),
+        "the history of the pack: rotations: 0 entries; allowed: 4, one a grain"
+    );
 }

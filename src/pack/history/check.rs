@@ -11,7 +11,10 @@ const RATIO_SLACK: f64 = 1e-9;
 impl History {
     /// Checks the history of a pack of `grains` grains; says which entry is wrong and what is
     /// allowed.
-    pub(super) fn check(&self, grains: usize) -> Result<(), String> {
+    ///
+    /// # Errors
+    /// That sentence.
+    pub fn check(&self, grains: usize) -> Result<(), String> {
         if self.rotation.len() != grains {
             let found = self.rotation.len();
             return Err(format!("rotations: {found} entries; allowed: {grains}, one a grain"));
