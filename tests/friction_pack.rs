@@ -234,3 +234,28 @@ fn a_thousand_cyclic_increments_neither_gain_nor_lose_energy_but_by_slip() {
         }
     }
 }
+
+#[test]
+fn a_pack_is_decompressed_far_and_compressed_again() {
+    // Grains that hardly touch anything are dragged by friction alone on the way.
+    for (law, update) in [
+        (Law::ReturnMap, Update::Frozen),
+        (Law::ReturnMap, Update::Current),
+        (Law::MindlinDeresiewicz, Update::Frozen),
+    ] {
+        let pack = rough(150, 1e7, 5, 0.3);
+        let scene = frictional(1e-8, 0.3, law, update);
+        let (mut rig, _) = Rig::start(&scene, &pack);
+        let mut least = f64::INFINITY;
+        let strain = |axial: f64, all: f64| by_strain(&pack.bounds, [all, all, axial + all]);
+        for k in 1..=5 {
+            rig.go(strain(4e-4 * f64::from(k), 0.0));
+        }
+        for k in (1..=20).chain((0..20).rev()) {
+            let measures = rig.go(strain(2e-3, -3e-4 * f64::from(k)));
+            least = least.min(measures.walls.normal_force[5]);
+        }
+        let end = rig.go(strain(2e-3, 0.0)).walls.normal_force;
+        assert!(least < 0.3 * end[5], "{law:?}: {least} of {}", end[5]);
+    }
+}

@@ -24,6 +24,8 @@ const HELD: f32 = 100.0;
 const MOST_SHIFTS: u32 = 60;
 /// Most that one linear solve may take.
 const MOST_PRODUCTS: u32 = 4000;
+/// Slopes that differ by this share are the same: a constant force up to rounding.
+const FLAT: f64 = 1e-6;
 /// Halvings of a step before it is shortened by a shift.
 const HALVINGS: u32 = 6;
 /// Shifted steps beyond convergence before a state counts as a minimum all the same.
@@ -218,8 +220,11 @@ fn search(model: &Model, state: &mut State, work: &mut Workspace, bounds: &Bound
         let accepted = slope < 0.0
             && ((potential && change <= 1e-4 * factor * slope)
                 || (change.abs() <= flat * size && work.slope(after).abs() <= 0.9 * slope.abs())
-                // Against friction alone the force stays as it is until something else resists.
-                || (!potential && (slope..0.0).contains(&work.slope(after)))
+                // Against friction alone the force stays as it is until something else resists; of
+                // a grain that hardly touches anything the potential does not tell.
+                || (work.reference.active
+                    && (!potential || change.abs() <= 1e-10 * size)
+                    && (slope * (1.0 + FLAT)..0.0).contains(&work.slope(after)))
                 || (change.abs() <= 1e-13 * size && self::square(after) < square));
         if accepted {
             std::mem::swap(&mut state.position, &mut work.trial);
