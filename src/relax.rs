@@ -113,7 +113,7 @@ pub struct Workspace {
     shift: Vec<f32>,
     /// First shift of each grain, and the one below which it is dropped, shape (n).
     first_shift: Vec<f32>,
-    /// Contacts of each grain, shape (n); for packs with weight.
+    /// Contacts of each grain, shape (n), those that stick twice; for packs with weight or friction.
     support: Vec<u32>,
     /// The present step \[m\], shape (n), and its rotations times radius \[m\], shape (n) or empty.
     step: Vec<Vec3>,

@@ -296,7 +296,7 @@ proptest! {
                 prop_assert!((found - want).norm() <= 1e-11 * mean, "grain {k}: {found} {want}");
             }
         }
-        let sliding = program.work.balance.tractions.iter().filter(|t| t.slides()).count();
+        let sliding = program.work.balance.tractions.iter().filter(|t| t.shear.slides).count();
         prop_assert!(sliding > 0);
     }
 }
@@ -372,7 +372,7 @@ fn the_linear_system_takes_the_forces_back_to_zero() {
             let allowed = 1e-3 * unit + 3.0 * longest * most_shear(work, &model.radius);
             assert!(left <= allowed, "{push} {seed}: {left:e} {allowed:e}");
             assert!(allowed < 0.05 * unit, "{push} {seed}: {allowed:e} {unit:e}");
-            let sliding = balance.tractions.iter().filter(|t| t.slides()).count();
+            let sliding = balance.tractions.iter().filter(|t| t.shear.slides).count();
             assert!(sliding > 0 && sliding < balance.tractions.len());
         }
     }

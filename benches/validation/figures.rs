@@ -6,7 +6,7 @@ mod preparation;
 pub(crate) mod sliding;
 pub(crate) mod smooth;
 
-use graintwin::view::{Axis, Kind, Pattern, Series, Sheet, Stroke, Unit};
+use graintwin::view::{Axis, Chart, Kind, Pattern, Series, Sheet, Stroke, Unit};
 
 use crate::curve::{Curve, Spread, even, over_seeds};
 use crate::intervals::{Interval, by_strain};
@@ -39,6 +39,17 @@ fn subtitle(samples: &[Sample], of: &str) -> String {
         "2740 glass beads; lines: mean of the seeds {}, bands: lowest to highest. {of}",
         seeds.join(", ")
     )
+}
+
+/// A chart over the confining stress.
+fn against_stress(title: &str, y: Axis, series: Vec<Series>) -> Chart {
+    Chart {
+        title: format!("{title} against confining stress"),
+        x: stress_axis(),
+        y,
+        series,
+        notes: Vec::new(),
+    }
 }
 
 /// One measure of the intervals of a run against their stress.

@@ -14,8 +14,8 @@ use super::{Cli, Failure, Outcome, output};
 /// Says whether a scene, a pack or a bag is right, and what is in it.
 ///
 /// A scene is checked with the pack and the load path files that it names; a pack that is still to
-/// be made or prepared is not. What is wrong is named with file, line and field. Of a damaged bag is told
-/// what can still be read, and the exit code is 3.
+/// be made or prepared is not. What is wrong is named with file, line and field. Of a damaged bag
+/// is told what can still be read, and the exit code is 3.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = "Example:\n  graintwin check launch_configs/quickstart.yaml")]
 pub(super) struct Args {

@@ -15,8 +15,8 @@ use super::{Failure, Outcome, output};
 ///
 /// Writes overview.svg with the four most telling charts, and stress_strain, wall_forces, moduli,
 /// coordination, friction, energy, effort and forces, and prints the names of the files. What the
-/// recording does not hold is left out, and so is friction where no contact carried any. A damaged recording is drawn as far as it can be read, and the exit
-/// code is 3.
+/// recording does not hold is left out, and so is friction where no contact carried any. A damaged
+/// recording is drawn as far as it can be read, and the exit code is 3.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = "Example:\n  graintwin plot bags/rig_log --out plots/rig_log")]
 pub(super) struct Args {

@@ -16,8 +16,7 @@ const LEAST_SHARE: f64 = 0.01;
 const ROUNDING: f64 = 1e-9;
 /// Halvings of a sub-increment that finds no equilibrium.
 const HALVINGS: u32 = 6;
-/// Times that the limits of friction are renewed and the increment solved again: what is left
-/// stops falling by then (numerics.md).
+/// Most times that the limits of friction are renewed and the increment solved again.
 const RENEWALS: u32 = 3;
 
 /// What an increment came to.

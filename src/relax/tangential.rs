@@ -44,12 +44,6 @@ pub struct Traction {
 }
 
 impl Traction {
-    /// Whether the contact slides or twists freely.
-    #[must_use]
-    pub fn slides(&self) -> bool {
-        self.shear.slides
-    }
-
     fn potential(&self) -> f64 {
         self.shear.potential + self.torsion.potential
     }

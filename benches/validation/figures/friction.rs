@@ -1,10 +1,11 @@
 //! T figs. 3.5 and 3.8: moduli with friction.
 
-use graintwin::view::{Axis, Chart, Series, Sheet, Unit};
+use graintwin::view::{Axis, Series, Sheet, Unit};
 
 use super::smooth;
 use super::{
-    drawn, grid, guide, line, measures_of, medium, moduli_of, modulus_axis, stress_axis, subtitle,
+    against_stress, drawn, grid, guide, line, measures_of, medium, moduli_of, modulus_axis,
+    subtitle,
 };
 use crate::curve::{by_place, even};
 use crate::intervals::{Interval, between_events};
@@ -33,7 +34,7 @@ pub(super) fn sheet(samples: &[Sample]) -> Sheet {
         if which == 1 {
             series.push(medium("free slip", which, Slip::Free, &grid));
         }
-        against_stress(title, series)
+        against_stress(title, modulus_axis(title), series)
     };
     Sheet {
         title: "With friction (thesis fig. 3.5)".into(),
@@ -47,16 +48,6 @@ pub(super) fn sheet(samples: &[Sample]) -> Sheet {
             chart("Bulk modulus K", 0, |interval| interval.bulk),
             chart("Shear modulus G", 1, |interval| interval.shear),
         ],
-    }
-}
-
-fn against_stress(name: &str, series: Vec<Series>) -> Chart {
-    Chart {
-        title: format!("{name} against confining stress"),
-        x: stress_axis(),
-        y: modulus_axis(name),
-        series,
-        notes: Vec::new(),
     }
 }
 
@@ -90,16 +81,22 @@ pub(super) fn coefficients(samples: &[Sample]) -> Sheet {
              friction as in the figure of the frictionless packs, between rearrangements.",
         ),
         charts: vec![
-            against_stress("Bulk modulus K", runs(|interval| interval.bulk)),
-            against_stress("Shear modulus G", runs(|interval| interval.shear)),
-            against_stress("Young's modulus E", young),
-            Chart {
-                title: "Sliding ratio against confining stress".into(),
-                x: stress_axis(),
-                y: Axis::linear("share of the contacts", Unit::None),
-                series: sliding.into(),
-                notes: Vec::new(),
-            },
+            against_stress(
+                "Bulk modulus K",
+                modulus_axis("Bulk modulus K"),
+                runs(|interval| interval.bulk),
+            ),
+            against_stress(
+                "Shear modulus G",
+                modulus_axis("Shear modulus G"),
+                runs(|interval| interval.shear),
+            ),
+            against_stress("Young's modulus E", modulus_axis("Young's modulus E"), young),
+            against_stress(
+                "Sliding ratio",
+                Axis::linear("share of the contacts", Unit::None),
+                sliding.into(),
+            ),
         ],
     }
 }

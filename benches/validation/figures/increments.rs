@@ -1,8 +1,8 @@
 //! T fig. 3.7: increments of different size.
 
-use graintwin::view::{Axis, Chart, Series, Sheet, Unit};
+use graintwin::view::{Axis, Series, Sheet, Unit};
 
-use super::{line, measures_of, moduli_of, modulus_axis, stress_axis, subtitle};
+use super::{against_stress, line, measures_of, moduli_of, modulus_axis, subtitle};
 use crate::curve::{Curve, even};
 use crate::runs::{COARSE, COARSE_THEN_FINE, FINE, Sample, Test};
 
@@ -14,13 +14,6 @@ pub(super) fn sheet(samples: &[Sample]) -> Sheet {
             line(1, "5e-4", &of(&COARSE), &grid),
             line(2, "5e-4 to 19 MPa, then 5e-5", &of(&COARSE_THEN_FINE), &grid),
         ]
-    };
-    let chart = |title: &str, y: Axis, series: Vec<Series>| Chart {
-        title: format!("{title} against confining stress"),
-        x: stress_axis(),
-        y,
-        series,
-        notes: Vec::new(),
     };
     let bulk = runs(&|test| moduli_of(samples, test, |interval| interval.bulk));
     let shear = runs(&|test| moduli_of(samples, test, |interval| interval.shear));
@@ -34,14 +27,14 @@ pub(super) fn sheet(samples: &[Sample]) -> Sheet {
              of intervals of 1e-3.",
         ),
         charts: vec![
-            chart("Bulk modulus", modulus_axis("bulk modulus K"), bulk),
-            chart("Shear modulus", modulus_axis("shear modulus G"), shear),
-            chart(
+            against_stress("Bulk modulus", modulus_axis("bulk modulus K"), bulk),
+            against_stress("Shear modulus", modulus_axis("shear modulus G"), shear),
+            against_stress(
                 "Sliding ratio (at the limit)",
                 Axis::linear("share of the contacts", Unit::None),
                 sliding,
             ),
-            chart(
+            against_stress(
                 "Contacts above 0.9 of the limit",
                 Axis::linear("share of the contacts", Unit::None),
                 near,

@@ -1,8 +1,8 @@
 //! T fig. 3.6: packs that were compacted without friction to different stresses.
 
-use graintwin::view::{Axis, Chart, Series, Sheet, Unit};
+use graintwin::view::{Axis, Series, Sheet, Unit};
 
-use super::{grid, line, measures_of, moduli_of, modulus_axis, stress_axis, subtitle};
+use super::{against_stress, grid, line, measures_of, moduli_of, modulus_axis, subtitle};
 use crate::curve::Curve;
 use crate::runs::{FROM, Sample, Test};
 
@@ -13,13 +13,6 @@ pub(super) fn sheet(samples: &[Sample]) -> Sheet {
             line(number, &format!("from {} MPa", test.start / 1e6), &of(test), &grid)
         };
         FROM.iter().enumerate().map(run).collect()
-    };
-    let chart = |title: &str, y: Axis, series: Vec<Series>| Chart {
-        title: format!("{title} against confining stress"),
-        x: stress_axis(),
-        y,
-        series,
-        notes: Vec::new(),
     };
     let bulk = runs(&|test| moduli_of(samples, test, |interval| interval.bulk));
     let shear = runs(&|test| moduli_of(samples, test, |interval| interval.shear));
@@ -33,10 +26,18 @@ pub(super) fn sheet(samples: &[Sample]) -> Sheet {
              of 1e-3.",
         ),
         charts: vec![
-            chart("Bulk modulus", modulus_axis("bulk modulus K"), bulk),
-            chart("Shear modulus", modulus_axis("shear modulus G"), shear),
-            chart("Mean normal force", Axis::linear("mean normal force", Unit::Si("N")), force),
-            chart("Sliding ratio", Axis::linear("share of the contacts", Unit::None), sliding),
+            against_stress("Bulk modulus", modulus_axis("bulk modulus K"), bulk),
+            against_stress("Shear modulus", modulus_axis("shear modulus G"), shear),
+            against_stress(
+                "Mean normal force",
+                Axis::linear("mean normal force", Unit::Si("N")),
+                force,
+            ),
+            against_stress(
+                "Sliding ratio",
+                Axis::linear("share of the contacts", Unit::None),
+                sliding,
+            ),
         ],
     }
 }

@@ -1,8 +1,8 @@
 //! T fig. 3.4: shear modulus and sliding ratio while the frictional loads build up.
 
-use graintwin::view::{Axis, Chart, Sheet, Unit};
+use graintwin::view::{Axis, Sheet, Unit};
 
-use super::{guide, line, measures_of, modulus, modulus_axis, stress_axis, subtitle};
+use super::{against_stress, guide, line, measures_of, modulus, modulus_axis, subtitle};
 use crate::curve::{Curve, even};
 use crate::intervals::by_strain;
 use crate::runs::{FINE, Sample, phase_end};
@@ -28,29 +28,25 @@ pub(super) fn sheet(samples: &[Sample]) -> Sheet {
              10 MPa; phase (b) ends at 19 MPa.",
         ),
         charts: vec![
-            Chart {
-                title: "Shear modulus against confining stress".into(),
-                x: stress_axis(),
-                y: modulus_axis("shear modulus G"),
-                series: vec![
+            against_stress(
+                "Shear modulus",
+                modulus_axis("shear modulus G"),
+                vec![
                     line(0, "G over intervals of 2.5e-4", &shear, &grid),
                     guide("end of phase (b)", vec![[switch, 0.0], [switch, 2.5e9]]),
                 ],
-                notes: Vec::new(),
-            },
-            Chart {
-                title: "Sliding ratio against confining stress".into(),
-                x: stress_axis(),
-                y: Axis::linear("share of the contacts", Unit::None),
-                series: vec![
+            ),
+            against_stress(
+                "Sliding ratio",
+                Axis::linear("share of the contacts", Unit::None),
+                vec![
                     line(0, "at the limit", &sliding, &grid),
                     line(1, "above 0.9 of the limit", &near, &grid),
                     guide("thesis: 0.09 to 0.11", level(THESIS[0])),
                     guide("", level(THESIS[1])),
                     guide("", vec![[switch, 0.0], [switch, 0.6]]),
                 ],
-                notes: Vec::new(),
-            },
+            ),
         ],
     }
 }
