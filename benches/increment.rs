@@ -62,13 +62,13 @@ fn ten_increments(pack: &Pack, reference: &[f64]) {
             for (k, wanted) in reference.iter().enumerate() {
                 let travel = 0.5e-4 * (k + 1) as f64 * model.start.sides()[2];
                 let target = [0.0, 0.0, 0.0, 0.0, travel, travel];
-                let before = work.linear.products;
+                let before = work.effort().products;
                 let start = Instant::now();
                 let done: Advance = advance(&model, &mut state, &mut work, &target, outcome);
                 times[k] = times[k].min(start.elapsed().as_secs_f64() * 1e3);
                 outcome = done.outcome;
                 steps.push(f64::from(done.iterations));
-                products.push((work.linear.products - before) as f64);
+                products.push((work.effort().products - before) as f64);
                 let contacts = Contacts::of(&model, &state, &work.neighbours);
                 let force = walls::forces(&model, &state, &contacts.list).normal_force[5];
                 error = error.max((force / wanted - 1.0).abs());
@@ -113,13 +113,13 @@ fn with_friction(scene: &Scene, pack: &Pack) {
             for (k, time) in times.iter_mut().enumerate() {
                 let travel = 0.5e-4 * (k + 1) as f64 * model.start.sides()[2];
                 let target = [0.0, 0.0, 0.0, 0.0, travel, travel];
-                let before = work.linear.products + work.coupled.products;
+                let before = work.effort().products;
                 let start = Instant::now();
                 let done = advance(&model, &mut state, &mut work, &target, outcome);
                 *time = time.min(start.elapsed().as_secs_f64() * 1e3);
                 outcome = done.outcome;
                 steps.push(f64::from(done.iterations));
-                products.push((work.linear.products + work.coupled.products - before) as f64);
+                products.push((work.effort().products - before) as f64);
             }
             let contacts = Contacts::of(&model, &state, &work.neighbours);
             force = walls::forces(&model, &state, &contacts.list).normal_force[5];

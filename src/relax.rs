@@ -92,6 +92,15 @@ impl Outcome {
     };
 }
 
+/// What the work is counted in, on any machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Effort {
+    /// Evaluations of the balance: energy and gradient.
+    pub gradients: u64,
+    /// Products of the linearised balance with a vector.
+    pub products: u64,
+}
+
 /// Scratch that may be thrown away at any time.
 #[derive(Clone, Debug)]
 pub struct Workspace {
@@ -155,6 +164,15 @@ impl Workspace {
             memory: Memory::default(),
             rattlers: Rattlers::default(),
             negligible_force: model.negligible_force(),
+        }
+    }
+
+    /// The work done so far.
+    #[must_use]
+    pub fn effort(&self) -> Effort {
+        Effort {
+            gradients: self.balance.evaluations + self.trial_balance.evaluations,
+            products: self.linear.products + self.coupled.products,
         }
     }
 

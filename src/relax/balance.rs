@@ -88,6 +88,8 @@ pub struct Balance {
     pub shear_potential: f64,
     /// Totals.
     pub sums: Sums,
+    /// How often the balance was taken.
+    pub evaluations: u64,
     /// Force on `second` of each link, negated \[N\], in the places of `links`.
     pair_force: Vec<Vec3>,
     chunk_sums: Vec<Sums>,
@@ -130,6 +132,7 @@ impl Balance {
     pub fn evaluate(&mut self, at: &Configuration<'_>) {
         let rows = at.position.len();
         let pairs = at.neighbours.second.len();
+        self.evaluations += 1;
         self.gradient.resize(rows, Vec3::zeros());
         self.links_in_row.resize(rows, 0);
         self.wall_stiffness.resize(rows, [0.0; 3]);
