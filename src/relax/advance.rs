@@ -26,7 +26,7 @@ pub struct Advance {
     pub outcome: Outcome,
     /// Equilibria on the way, the last included.
     pub substeps: u32,
-    /// Newton steps of all relaxations.
+    /// Steps of the method of all relaxations.
     pub iterations: u32,
     /// Inertial descents of all relaxations, each from a configuration that was unstable.
     pub descents: u32,

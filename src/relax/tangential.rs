@@ -23,7 +23,8 @@ use crate::state::{Remembered, State};
 
 pub use commit::Changes;
 pub use held::Held;
-use held::{Midway, Pair, Pose, wall_normal};
+pub(super) use held::Pose;
+use held::{Midway, Pair, wall_normal};
 
 /// Contacts that one task answers for; the bits do not depend on it.
 const CHUNK: usize = 512;
@@ -142,17 +143,7 @@ impl Reference {
         balance.tractions.par_chunks_mut(CHUNK).zip(self.contacts.par_chunks(CHUNK)).for_each(
             |(tractions, contacts)| {
                 for (traction, held) in tractions.iter_mut().zip(contacts) {
-                    let other = match held.second {
-                        Other::Grain(j) => at.carries[j as usize],
-                        Other::Wall(_) => true,
-                    };
-                    *traction = match other && at.carries[held.first as usize] {
-                        true => {
-                            let motion = held.motion(&pose, &self.rotation);
-                            held.answer(&motion, friction.law, &self.layers)
-                        }
-                        false => Traction::default(),
-                    };
+                    *traction = self.traction(held, friction.law, &pose, at.carries);
                 }
             },
         );
@@ -176,6 +167,24 @@ impl Reference {
                 balance.moment[j] += (lever * traction.arm[1] + couple) / at.model.radius[j];
             }
         }
+    }
+
+    /// Answer of the contact `held` to the configuration `pose` of the grains that take part.
+    pub(super) fn traction(
+        &self,
+        held: &Held,
+        law: Law,
+        pose: &Pose<'_>,
+        carries: &[bool],
+    ) -> Traction {
+        let other = match held.second {
+            Other::Grain(j) => carries[j as usize],
+            Other::Wall(_) => true,
+        };
+        if !(other && carries[held.first as usize]) {
+            return Traction::default();
+        }
+        held.answer(&held.motion(pose, &self.rotation), law, &self.layers)
     }
 
     /// Renews the limit with the overlaps of `state` and the stiffness with their mean with those

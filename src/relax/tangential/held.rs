@@ -36,7 +36,7 @@ pub struct Held {
     /// Q_max = μP \[N\].
     pub(super) limit: f64,
     /// k_t \[N m\] (T 3.9a); zero without torsion.
-    pub(super) torsion_stiffness: f64,
+    pub(in crate::relax) torsion_stiffness: f64,
     /// Largest couple \[N m\] (T 3.3.3).
     pub(super) torsion_limit: f64,
     /// For partial slip: the contact, the overlap its layers end at and the first of them.
@@ -56,11 +56,11 @@ pub(super) struct Motion {
 }
 
 /// Where the grains are.
-pub(super) struct Pose<'a> {
-    pub(super) model: &'a Model,
-    pub(super) position: &'a [Vec3],
-    pub(super) rotation: &'a [Vec3],
-    pub(super) bounds: &'a Bounds,
+pub(in crate::relax) struct Pose<'a> {
+    pub(in crate::relax) model: &'a Model,
+    pub(in crate::relax) position: &'a [Vec3],
+    pub(in crate::relax) rotation: &'a [Vec3],
+    pub(in crate::relax) bounds: &'a Bounds,
 }
 
 /// Constants of a pair of bodies in shear.
