@@ -45,7 +45,7 @@ pub(super) fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> S
     loop {
         let look = iterations % REFRESH == 0;
         let progress = Progress { iterations, patient: look && iterations > 0 };
-        if let Some(end) = verdict(model, state, work, progress, |_| true) {
+        if let Some(end) = verdict(model, state, work, progress) {
             return end;
         }
         let square = newton::square(&work.balance);

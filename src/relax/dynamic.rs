@@ -1,5 +1,5 @@
 //! Motion that local damping brings to rest (B 2.2; Cundall and Strack 1979), as a way to the
-//! equilibrium: leap-frog steps of the equations of motion, with the masses scaled to the grains'
+//! equilibrium: leap-frog steps of the equations of motion until the residual holds, with the masses scaled to the grains'
 //! stiffnesses so that all of them follow the same time step.
 //!
 //! In units of such masses the largest step is known: the stiffness of all contacts together is at
@@ -20,8 +20,8 @@ use crate::relax::verdict::{Progress, verdict};
 use crate::state::State;
 use crate::wall::Bounds;
 
-/// The time step, 0.9 of the largest stable one 2/ω; a pure number, as masses are stiffnesses.
-const TIME_STEP: f64 = 0.9 * SQRT_2;
+/// Share of the largest stable time step.
+const SAFE: f64 = 0.9;
 /// Steps between two looks at the stiffnesses, and for grains that nothing holds.
 const PATIENCE: u32 = 50;
 /// Least mass of a grain over the mean: one that hardly touches anything may do so soon.
@@ -61,7 +61,7 @@ fn run(
         work.evaluate(model, state, bounds);
         let look = iterations % PATIENCE == 0;
         let progress = Progress { iterations, patient: look && iterations > 0 };
-        if let Some(end) = verdict(model, state, work, progress, |force| inertia.rests(force)) {
+        if let Some(end) = verdict(model, state, work, progress) {
             return end;
         }
         if look {
@@ -79,15 +79,6 @@ impl Inertia {
         self.velocity.resize(state.position.len(), Vec3::zeros());
         self.spin.clear();
         self.spin.resize(state.rotation.len(), Vec3::zeros());
-    }
-
-    /// Whether `force` \[N\] stops every grain within the unit of time: a force alone vanishes at
-    /// the middle of each swing.
-    fn rests(&self, force: f64) -> bool {
-        let slow = |velocity: &[Vec3], kind: usize| {
-            velocity.iter().zip(&self.mass).all(|(v, mass)| mass[kind] * v.norm() <= force)
-        };
-        slow(&self.velocity, 0) && slow(&self.spin, 1)
     }
 
     /// Takes the masses from the stiffnesses of the contacts.
@@ -144,6 +135,8 @@ impl Inertia {
     /// drives the motion, and adds it to one that brakes.
     fn step(&mut self, model: &Model, state: &mut State, work: &Workspace) {
         let damping = model.solver.damping;
+        // A pure number, as masses are stiffnesses: 2/ω, for forces that damping makes larger.
+        let dt = SAFE * SQRT_2 / (1.0 + damping).sqrt();
         let cap = model.solver.step_cap;
         let advance = |v: &mut Vec3, gradient: &Vec3, mass: f64, radius: f64| {
             let force = v.zip_map(gradient, |v, g| match () {
@@ -151,12 +144,12 @@ impl Inertia {
                 () if v * g > 0.0 => -g * (1.0 + damping),
                 () => -g,
             });
-            *v += force * (TIME_STEP / mass);
-            let (length, longest) = (v.norm() * TIME_STEP, cap * radius);
+            *v += force * (dt / mass);
+            let (length, longest) = (v.norm() * dt, cap * radius);
             if length > longest {
                 *v *= longest / length;
             }
-            *v * TIME_STEP
+            *v * dt
         };
         let balance = &work.balance;
         for i in 0..model.len() {

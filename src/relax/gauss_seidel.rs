@@ -57,7 +57,7 @@ fn run(
     loop {
         work.evaluate(model, state, bounds);
         let progress = Progress { iterations, patient: iterations > 0 };
-        if let Some(end) = verdict(model, state, work, progress, |_| true) {
+        if let Some(end) = verdict(model, state, work, progress) {
             return end;
         }
         // Where the grains at their turns are as much better it is worth looking at the whole pack.

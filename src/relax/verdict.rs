@@ -14,14 +14,12 @@ pub(super) struct Progress {
     pub(super) patient: bool,
 }
 
-/// Judges `state`, whose balance was taken last: `Some` ends the relaxation. `at_rest` says whether
-/// nothing moves any more that it takes this force \[N\] to stop.
+/// Judges `state`, whose balance was taken last: `Some` ends the relaxation.
 pub(super) fn verdict(
     model: &Model,
     state: &mut State,
     work: &mut Workspace,
     progress: Progress,
-    at_rest: impl Fn(f64) -> bool,
 ) -> Option<Solved> {
     let sums = work.balance.sums;
     let largest = work.balance.largest();
@@ -34,9 +32,7 @@ pub(super) fn verdict(
     if !model.has_gravity() && sums.mean_force() < work.negligible_force {
         return Some(Solved { status: Status::Unjammed, residual: 0.0, iterations });
     }
-    let tolerance = model.solver.tolerance;
-    // The force that is allowed is the tolerance times what the residual is relative to.
-    if residual <= tolerance && (largest == 0.0 || at_rest(largest * (tolerance / residual))) {
+    if residual <= model.solver.tolerance {
         return end(Status::Converged);
     }
     let may_release = model.has_gravity() || work.reference.active;
