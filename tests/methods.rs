@@ -189,13 +189,12 @@ fn too_few_iterations_end_every_method_and_leave_the_state() {
 
 #[test]
 fn every_method_notices_that_a_pack_carries_no_load_any_more() {
-    let pack = made(60, 1e7, 3);
+    let pack = made(60, 1e6, 3);
     for method in OTHERS {
         let (mut rig, _) = Rig::start(&by(method, 1e-6), &pack);
         let mut last = rig.go(by_strain(&pack.bounds, [0.0; 3]));
-        for k in 1..=28 {
-            last = rig.go(by_strain(&pack.bounds, [-5e-4 * f64::from(k); 3]));
-            eprintln!("{method:?} {k} {:?} {:?}", last.walls.normal_force, state(&last).iterations);
+        for k in 1..=20 {
+            last = rig.go(by_strain(&pack.bounds, [-2e-4 * f64::from(k); 3]));
         }
         assert_eq!(last.walls.normal_force, [0.0; wall::COUNT], "{method:?}");
         assert_eq!(state(&last).contacts, 0, "{method:?}");
