@@ -7,6 +7,7 @@
 
 pub mod advance;
 pub mod balance;
+mod block;
 pub mod coupled;
 pub mod fire;
 pub mod lanes;
