@@ -8,6 +8,7 @@
 
 pub mod advance;
 pub mod balance;
+mod block;
 mod conjugate_gradient;
 pub mod coupled;
 mod dynamic;

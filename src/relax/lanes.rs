@@ -5,6 +5,15 @@
 //! standard library computes the same, slowly.
 #![allow(unsafe_code)] // Instructions that not every processor has; the reasons are at each use.
 
+/// Rows summed in single precision before they are added up in double.
+pub(super) const LANE_ROWS: usize = 64;
+
+/// The sum of four lanes in double precision.
+#[inline(always)]
+pub(super) fn in_double([x, y, z, w]: [f32; 4]) -> f64 {
+    (f64::from(x) + f64::from(y)) + (f64::from(z) + f64::from(w))
+}
+
 /// Three numbers and a fourth that is zero, or four.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(16))]

@@ -8,7 +8,6 @@
 //! The parts of a [`Split`] come first in the order of elimination and its separator last, so
 //! that the parts can be swept at the same time.
 
-mod block;
 mod part;
 
 use rayon::prelude::*;

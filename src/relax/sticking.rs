@@ -16,19 +16,28 @@ pub(super) fn block(
     radius: f64,
     scale: f64,
 ) -> Sym6 {
-    let n = <[f64; 3]>::from(traction.normal).map(|n| n as f32);
+    let n = traction.normal;
     let shear = (held.stiffness * scale) as f32;
     let twist = (held.torsion_stiffness * scale / (radius * radius)) as f32;
-    let lever = (traction.arm[usize::from(second)] / radius) as f32;
-    let across = |stiffness: f32, along: f32| {
-        let mut block = Sym3::diagonal([stiffness; 3]);
-        block.add_outer(along - stiffness, n);
-        block
-    };
+    let lever = traction.arm[usize::from(second)] / radius as f32;
     let a = if second { -lever * shear } else { lever * shear };
     Sym6 {
-        u: across(shear, 0.0),
-        w: across(lever * lever * shear, twist),
+        u: isotropic_across(n, shear, 0.0),
+        w: isotropic_across(n, lever * lever * shear, twist),
         uw: [[0.0, -a * n[2], a * n[1]], [a * n[2], 0.0, -a * n[0]], [-a * n[1], a * n[0], 0.0]],
     }
+}
+
+/// across (I - n nᵀ) + along n nᵀ.
+pub(super) fn isotropic_across(n: [f32; 3], across: f32, along: f32) -> Sym3 {
+    let rest = along - across;
+    let [x, y, z] = n;
+    Sym3::new([
+        across + rest * x * x,
+        across + rest * y * y,
+        across + rest * z * z,
+        rest * x * y,
+        rest * x * z,
+        rest * y * z,
+    ])
 }

@@ -93,8 +93,9 @@ impl Masses {
             self.stiffness[i].u.add(&Sym3::diagonal([0.5 * x, 0.5 * y, 0.5 * z]));
             let first = neighbours.row(i).start;
             for link in &balance.links[first..first + balance.links_in_row[i] as usize] {
-                self.stiffness[i].u.add_outer(1.0, link.m);
-                self.stiffness[link.second as usize].u.add_outer(1.0, link.m);
+                let normal = Sym3::outer_minus(link.m, 0.0);
+                self.stiffness[i].u.add(&normal);
+                self.stiffness[link.second as usize].u.add(&normal);
             }
         }
     }

@@ -69,18 +69,16 @@ impl Site<'_> {
             let pose = Pose { model, position, rotation, bounds };
             for &k in held {
                 let contact = &work.reference.contacts[k as usize];
-                let traction =
-                    work.reference.traction(contact, friction.law, &pose, &state.carries);
+                let (traction, pull) =
+                    work.reference.answer(contact, friction.law, &pose, &state.carries);
                 if !traction.live {
                     continue;
                 }
                 let second = contact.first as usize != i;
-                let force = traction.shear.force;
-                let lever = traction.normal.cross(&force) * traction.arm[usize::from(second)];
-                let couple = traction.normal * traction.torsion.couple;
                 let sign = if second { -1.0 } else { 1.0 };
-                local.gradient -= force * sign;
-                local.moment += (lever - couple * sign) / ri;
+                local.gradient -= pull.force * sign;
+                local.moment +=
+                    (pull.lever * pull.arm[usize::from(second)] - pull.couple * sign) / ri;
                 local.block.add(&sticking::block(contact, &traction, second, ri, scale));
             }
         }
@@ -93,7 +91,8 @@ impl Local {
     fn push(&mut self, modulus: f64, overlap: f64, normal: Vec3, scale: f64) {
         self.gradient -= normal * hertz::force(modulus, overlap);
         let stiffness = hertz::stiffness(modulus, overlap) * scale;
-        self.block.u.add_outer(stiffness as f32, <[f64; 3]>::from(normal).map(|n| n as f32));
+        let n = <[f64; 3]>::from(normal).map(|n| n as f32);
+        self.block.u.add(&sticking::isotropic_across(n, 0.0, stiffness as f32));
     }
 
     /// Unbalanced force, or moment over radius \[N\].
@@ -108,20 +107,20 @@ impl Local {
         if unit == 0.0 {
             return [Vec3::zeros(); 2];
         }
-        let (f, m) = (self.gradient * (-1.0 / unit), self.moment * (-1.0 / unit));
-        let right = [f.x, f.y, f.z, 0.0, m.x, m.y, m.z, 0.0].map(|r| r as f32);
-        let solution = match self.turns {
-            true => self.block.inverse(0.0, SMALL_PIVOT).times(&right),
+        let single = |v: &Vec3| <[f64; 3]>::from(v * (-1.0 / unit)).map(|x| x as f32);
+        let right = [single(&self.gradient), single(&self.moment)];
+        let [u, w] = match self.turns {
+            true => self.block.inverse(0.0, SMALL_PIVOT).times(right),
             false => {
                 let u = &self.block.u;
                 let least = SMALL_PIVOT * (u.trace() / 3.0).max(f32::MIN_POSITIVE);
                 let (_, inverse) = u.inverse_lifted(least);
-                let [x, y, z, _] = inverse.times(&[right[0], right[1], right[2], 0.0]);
-                [x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0]
+                let [[x, y, z], _] = right;
+                let [x, y, z, _] = inverse.times(&[x, y, z, 0.0]);
+                [[x, y, z], [0.0; 3]]
             }
         };
-        let s = solution.map(|s| f64::from(s) * unit * scale);
-        let (u, w) = (Vec3::new(s[0], s[1], s[2]), Vec3::new(s[4], s[5], s[6]));
+        let [u, w] = [u, w].map(|v| Vec3::from(v.map(|x| f64::from(x) * unit * scale)));
         let length = u.norm().max(w.norm());
         let cut = if length > longest { longest / length } else { 1.0 };
         [u * cut, w * cut]

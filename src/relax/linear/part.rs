@@ -1,13 +1,11 @@
 //! One part of the linear system: its factorisation, its sweeps and its vectors.
 
-use super::block::{Block, add_contact};
 use crate::Vec3;
 use crate::relax::balance::Link;
-use crate::relax::lanes::{Four, Kernel, Lanes, dispatch};
+use crate::relax::block::Block;
+use crate::relax::lanes::{self, Four, Kernel, LANE_ROWS, Lanes, dispatch};
 use crate::relax::sym3::Sym3;
 
-/// Rows summed in single precision before they are added up in double.
-const LANE_ROWS: usize = 64;
 /// A pivot below this share of its row's mean diagonal is lifted to it.
 const SMALL_PIVOT: f32 = 0.02;
 
@@ -274,7 +272,7 @@ impl Kernel for Forward<'_> {
                 l.store(&mut w[i], wi);
                 lanes = l.mul_add(l.load(&direction[i]), wi, lanes);
             }
-            total += in_double(l.array(lanes));
+            total += lanes::in_double(l.array(lanes));
         }
         total
     }
@@ -305,12 +303,15 @@ impl Kernel for Descend<'_> {
                 l.store(&mut w[i], z);
                 lanes = l.mul_add(z, r, lanes);
             }
-            total += in_double(l.array(lanes));
+            total += lanes::in_double(l.array(lanes));
         }
         total
     }
 }
 
-fn in_double([x, y, z, w]: [f32; 4]) -> f64 {
-    (f64::from(x) + f64::from(y)) + (f64::from(z) + f64::from(w))
+/// `to` + K v for K = m mᵀ - b I, given (m, -b); lane 3 of v is zero, that of the sum undefined.
+#[inline(always)]
+fn add_contact<L: Lanes>(l: L, to: L::F, contact: L::F, v: L::F) -> L::F {
+    let along = l.sum(l.mul(contact, v));
+    l.mul_add(l.lane::<3>(contact), v, l.mul_add(contact, along, to))
 }

@@ -1,4 +1,4 @@
-//! The blocks of the sweeps, as the registers take them.
+//! Symmetric 3x3 blocks as the registers take them.
 
 use crate::relax::lanes::{Four, Lanes};
 use crate::relax::sym3::Sym3;
@@ -6,8 +6,8 @@ use crate::relax::sym3::Sym3;
 /// A symmetric 3x3 block: its diagonal, and (xy, yz, xz).
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Block {
-    on: Four,
-    off: Four,
+    pub(super) on: Four,
+    pub(super) off: Four,
 }
 
 impl From<&Sym3> for Block {
@@ -33,11 +33,4 @@ impl Block {
         let product = l.mul_add(off, l.yzx(v), product);
         l.mul_add(l.zxy(off), l.zxy(v), product)
     }
-}
-
-/// `to` + K v for K = m mᵀ - b I, given (m, -b); lane 3 of v is zero, that of the sum undefined.
-#[inline(always)]
-pub(super) fn add_contact<L: Lanes>(l: L, to: L::F, contact: L::F, v: L::F) -> L::F {
-    let along = l.sum(l.mul(contact, v));
-    l.mul_add(l.lane::<3>(contact), v, l.mul_add(contact, along, to))
 }
