@@ -75,6 +75,8 @@ pub struct Reference {
     rotation: Vec<Vec3>,
     /// Whether the specimen has friction.
     pub active: bool,
+    /// Whether contacts that stuck in the last increment are taken to stick whatever they carry.
+    pub(super) sticks: bool,
 }
 
 impl Reference {
@@ -171,7 +173,11 @@ impl Reference {
                     (*traction, *pull) = match other && at.carries[held.first as usize] {
                         true => {
                             let motion = held.motion(&pose, &self.rotation);
-                            held.answer(&motion, friction.law, &self.layers).parts()
+                            match self.sticks && !held.carried.slides {
+                                true => held.stick(&motion),
+                                false => held.answer(&motion, friction.law, &self.layers),
+                            }
+                            .parts()
                         }
                         false => Default::default(),
                     };
