@@ -76,6 +76,8 @@ pub struct Reference {
     rotation: Vec<Vec3>,
     /// Whether the specimen has friction.
     pub active: bool,
+    /// Whether contacts that stuck in the last increment are taken to stick whatever they carry.
+    pub(super) sticks: bool,
 }
 
 impl Reference {
@@ -199,10 +201,15 @@ impl Reference {
             Other::Grain(j) => carries[j as usize],
             Other::Wall(_) => true,
         };
-        match other && carries[held.first as usize] {
-            true => held.answer(&held.motion(pose, &self.rotation), law, &self.layers).parts(),
-            false => Default::default(),
+        if !(other && carries[held.first as usize]) {
+            return Default::default();
         }
+        let motion = held.motion(pose, &self.rotation);
+        match self.sticks && !held.carried.slides {
+            true => held.stick(&motion),
+            false => held.answer(&motion, law, &self.layers),
+        }
+        .parts()
     }
 
     /// Renews the limit with the overlaps of `state` and the stiffness with their mean with those

@@ -311,6 +311,12 @@ impl Held {
         Answer { normal, arm, shear, torsion }
     }
 
+    /// Answer to `motion` of a contact without a limit.
+    pub(super) fn stick(&self, motion: &Motion) -> Answer {
+        let unlimited = Self { limit: f64::INFINITY, torsion_limit: f64::INFINITY, ..*self };
+        unlimited.answer(motion, Law::ReturnMap, &[])
+    }
+
     /// The layers of this contact among those of all.
     pub(super) fn layers<'a>(&self, layers: &'a [Layer]) -> &'a [Layer] {
         &layers[self.first_layer as usize..][..self.carried.layers as usize]
