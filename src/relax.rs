@@ -19,6 +19,7 @@ pub mod tangential;
 use crate::Vec3;
 use crate::contact::hertz;
 use crate::contact::neighbours::Neighbours;
+use crate::heap;
 use crate::model::Model;
 use crate::state::{Memory, State};
 use crate::wall::Bounds;
@@ -174,6 +175,24 @@ impl Workspace {
             gradients: self.balance.evaluations + self.trial_balance.evaluations,
             products: self.linear.products + self.coupled.products,
         }
+    }
+
+    /// Memory that its lists hold \[bytes\].
+    #[must_use]
+    pub fn heap_bytes(&self) -> usize {
+        let single = heap::bytes(&self.shift) + heap::bytes(&self.first_shift);
+        let vectors = [&self.step, &self.turn, &self.trial, &self.trial_rotation, &self.velocity];
+        self.neighbours.heap_bytes()
+            + self.balance.heap_bytes()
+            + self.trial_balance.heap_bytes()
+            + self.reference.heap_bytes()
+            + self.linear.heap_bytes()
+            + self.coupled.heap_bytes()
+            + self.memory.heap_bytes()
+            + self.rattlers.heap_bytes()
+            + single
+            + heap::bytes(&self.support)
+            + vectors.into_iter().map(heap::bytes).sum::<usize>()
     }
 
     /// Evaluates the balance of `state` in the box `bounds`.

@@ -10,6 +10,7 @@
 use crate::Vec3;
 use crate::contact::Other;
 use crate::contact::neighbours::Neighbours;
+use crate::heap;
 use crate::relax::balance::Balance;
 use crate::relax::linear::Inner;
 use crate::relax::sym3::Sym3;
@@ -239,6 +240,21 @@ impl Coupled {
     pub fn step(&self, i: usize, unit: f64) -> [Vec3; 2] {
         let s = self.step[i].map(|s| f64::from(s) * unit);
         [Vec3::new(s[0], s[1], s[2]), Vec3::new(s[4], s[5], s[6])]
+    }
+
+    /// Memory that its lists hold \[bytes\].
+    pub(crate) fn heap_bytes(&self) -> usize {
+        heap::bytes(&self.start)
+            + heap::bytes(&self.joints)
+            + heap::bytes(&self.walls)
+            + heap::bytes(&self.bending)
+            + heap::bytes(&self.diagonal)
+            + heap::bytes(&self.inverse)
+            + heap::bytes(&self.shift)
+            + heap::bytes(&self.step)
+            + heap::bytes(&self.residual)
+            + heap::bytes(&self.direction)
+            + heap::bytes(&self.product)
     }
 
     /// Goes `alpha` along the direction; leaves z = M⁻¹ r in `product` and returns r·z.

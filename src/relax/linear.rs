@@ -7,6 +7,7 @@
 
 use crate::Vec3;
 use crate::contact::neighbours::Neighbours;
+use crate::heap;
 use crate::relax::balance::{Balance, Link};
 use crate::relax::sym3::Sym3;
 
@@ -154,6 +155,21 @@ impl Linear {
     pub fn step(&self, i: usize, unit: f64) -> Vec3 {
         let s = &self.step[i];
         Vec3::new(f64::from(s[0]), f64::from(s[1]), f64::from(s[2])) * unit
+    }
+
+    /// Memory that its lists hold \[bytes\].
+    pub(crate) fn heap_bytes(&self) -> usize {
+        heap::bytes(&self.start)
+            + heap::bytes(&self.links)
+            + heap::bytes(&self.diagonal)
+            + heap::bytes(&self.inverse)
+            + heap::bytes(&self.factor)
+            + heap::bytes(&self.excess)
+            + heap::bytes(&self.step)
+            + heap::bytes(&self.residual)
+            + heap::bytes(&self.direction)
+            + heap::bytes(&self.t)
+            + heap::bytes(&self.w)
     }
 
     /// residual ← (Δ + L)⁻¹ residual.

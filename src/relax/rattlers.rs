@@ -6,6 +6,7 @@ mod site;
 use crate::Vec3;
 use crate::contact::Other;
 use crate::contact::neighbours::{Neighbours, wall_gap};
+use crate::heap;
 use crate::model::Model;
 use crate::relax::{Workspace, newton};
 use crate::state::State;
@@ -43,6 +44,14 @@ pub struct Rattlers {
 }
 
 impl Rattlers {
+    /// Memory that its lists hold \[bytes\].
+    pub(crate) fn heap_bytes(&self) -> usize {
+        heap::bytes(&self.start)
+            + heap::bytes(&self.near)
+            + heap::bytes(&self.degree)
+            + heap::bytes(&self.stack)
+    }
+
     /// Lists the pairs both ways that satisfy `keep`, with Hertz' M.
     fn list(&mut self, neighbours: &Neighbours, n: usize, keep: impl Fn(usize, usize) -> bool) {
         self.start.clear();

@@ -65,3 +65,16 @@ pub enum Method {
     /// Newton steps, each solved by preconditioned conjugate gradients.
     Newton,
 }
+
+impl Method {
+    /// Every method.
+    pub const ALL: [Self; 1] = [Self::Newton];
+
+    /// The name that scenes know it by.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Newton => "newton",
+        }
+    }
+}
