@@ -153,7 +153,7 @@ impl Workspace {
             coupled: Coupled::default(),
             reference_stiffness: hertz::stiffness(modulus, 1e-2 * model.mean_radius),
             step_cap: if model.friction.is_some() { FRICTIONAL_CAP } else { 1.0 },
-            shift: Vec::with_capacity(model.len()),
+            shift: vec![0.0; model.len()],
             first_shift: Vec::with_capacity(model.len()),
             support: Vec::new(),
             step: Vec::with_capacity(model.len()),
@@ -235,7 +235,7 @@ impl Workspace {
     }
 
     /// Takes the linearisation of the balance.
-    fn assemble(&mut self, model: &Model) {
+    pub fn assemble(&mut self, model: &Model) {
         match self.reference.active {
             false => self.linear.assemble(&self.balance, &self.neighbours),
             true => self.coupled.assemble(
@@ -248,8 +248,10 @@ impl Workspace {
         }
     }
 
-    /// Solves for the step, with the shifts as they are; `largest` \[N\] scales it.
-    fn solve(&mut self, largest: f64, forcing: f64, most: u32) -> Inner {
+    /// Solves for the step in at most `most` products after [`assemble`](Self::assemble), with the
+    /// shifts as they are, until the preconditioned residual fell by `forcing`; `largest` \[N\]
+    /// scales it.
+    pub fn solve(&mut self, largest: f64, forcing: f64, most: u32) -> Inner {
         let unit = largest / self.reference_stiffness;
         let Self { balance, linear, coupled, step, turn, .. } = self;
         step.clear();
