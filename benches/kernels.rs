@@ -10,11 +10,13 @@
 //! subtracted.
 #![allow(clippy::print_stdout, clippy::expect_used)] // A bench prints, and ends when its input is not there.
 
-use std::env;
+#[path = "common/callgrind.rs"]
+mod callgrind;
+
 use std::path::Path;
-use std::process::Command;
 use std::time::{Duration, Instant};
 
+use callgrind::{instructions, measured};
 use graintwin::model::Model;
 use graintwin::pack;
 use graintwin::relax::advance::move_walls;
@@ -27,8 +29,6 @@ use graintwin::state::State;
 const REPEATS: usize = 100;
 /// Products of the shorter and the longer solve.
 const PRODUCTS: [u32; 2] = [1, 9];
-/// Set for the process under valgrind: scene and kernel.
-const ORDER: &str = "GRAINTWIN_KERNEL";
 
 /// A kernel that can be called alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,9 +57,9 @@ type Cost = Option<f64>;
 
 fn main() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
-    pool.expect("the thread that is there").install(|| match env::var(ORDER) {
-        Ok(order) => run_one(&order),
-        Err(_) => run_all(),
+    pool.expect("the thread that is there").install(|| match callgrind::order() {
+        Some(order) => run_one(&order),
+        None => run_all(),
     });
 }
 
@@ -75,7 +75,7 @@ fn run_all() {
     println!("| --- | --- | --- | --- | --- |");
     for (scene, friction) in [("g2740", "none"), ("g2740_friction", "0.3")] {
         let mut specimen = Specimen::load(scene);
-        let counts = Kernel::ALL.map(|kernel| instructions(scene, kernel));
+        let counts = Kernel::ALL.map(|kernel| instructions(&format!("{scene} {kernel:?}")));
         let times = Kernel::ALL.map(|kernel| Some(specimen.shortest(kernel).as_nanos() as f64));
         let (grains, contacts) = (specimen.model.len() as f64, specimen.contacts());
         for ((name, count), (_, time)) in parts(&counts).into_iter().zip(parts(&times)) {
@@ -172,26 +172,4 @@ impl Specimen {
 /// Solves in `products` products.
 fn solve(work: &mut Workspace, products: u32) {
     assert_eq!(work.solve(work.balance.largest(), 0.0, products), Inner::Step);
-}
-
-/// What callgrind collects in.
-#[inline(never)]
-fn measured(kernel: &mut dyn FnMut()) {
-    kernel();
-}
-
-/// Instructions of `kernel`; `None` when valgrind is not installed.
-fn instructions(scene: &str, kernel: Kernel) -> Cost {
-    let program = env::current_exe().expect("this program");
-    let output = Command::new("valgrind")
-        .args(["--tool=callgrind", "--toggle-collect=*measured*"])
-        .arg("--callgrind-out-file=/dev/null")
-        .arg(program)
-        .env(ORDER, format!("{scene} {kernel:?}"))
-        .output()
-        .ok()?;
-    let text = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{text}");
-    let line = text.lines().find_map(|line| line.split_once("Collected : "));
-    Some(line.expect("callgrind says what it collected").1.trim().parse().expect("a number"))
 }
