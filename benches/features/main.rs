@@ -8,12 +8,13 @@
 //! installed, over the first increments, apart for the solver and for the thread that serves:
 //! command gate, measures and handing over.
 //!
-//! Recording needs the feature `mcap`, subscribers need `ros` and loopback with multicast.
+//! The subscriber and the node meet over loopback.
 #![allow(clippy::print_stdout, clippy::expect_used)] // A bench prints, and ends when its input is not there.
 
 #[path = "../common/callgrind.rs"]
 mod callgrind;
 mod heap;
+mod linked;
 mod listen;
 mod variant;
 mod walk;
@@ -47,7 +48,7 @@ fn main() {
             let counted = variant.listens.is_deterministic();
             let all = counted.then(|| instructions(&format!("{number} {part}"))).flatten();
             let one = all.map(|all| 1e-6 * all / COUNTED as f64);
-            one.map_or("-".into(), |one| format!("{one:.4}"))
+            one.map_or("-".into(), |one| format!("{one:.2}"))
         };
         println!(
             "| {} | {} | {:.1} | {} | {} | {} | {} | {} | {} |",

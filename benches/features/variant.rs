@@ -9,11 +9,8 @@ use graintwin::scene::{self, Loaded};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Listens {
     Nobody,
-    #[cfg(feature = "mcap")]
     Recorder,
-    #[cfg(feature = "ros")]
     Node,
-    #[cfg(feature = "ros")]
     Subscriber,
 }
 
@@ -21,10 +18,7 @@ impl Listens {
     /// Whether the serving thread does the same in every run.
     pub(crate) fn is_deterministic(self) -> bool {
         match self {
-            Self::Nobody => true,
-            #[cfg(feature = "mcap")]
-            Self::Recorder => true,
-            #[cfg(feature = "ros")]
+            Self::Nobody | Self::Recorder => true,
             Self::Node | Self::Subscriber => false,
         }
     }
@@ -72,8 +66,14 @@ pub(crate) fn variants() -> Vec<Variant> {
         listens: Listens::Nobody,
     };
     let rough = "contact: {friction: {coefficient: 0.3}, torsion: false}\n";
-    #[allow(unused_mut, reason = "some variants need features")]
-    let mut variants = vec![
+    let heard = |feature, setting, listens| Variant {
+        feature,
+        setting,
+        physics: "",
+        demand: NOTHING,
+        listens,
+    };
+    vec![
         physics("none of them", "off", ""),
         physics("friction", "off: coefficient 0", "contact: {friction: {coefficient: 0.0}}\n"),
         physics("friction", "on: 0.3", rough),
@@ -85,21 +85,8 @@ pub(crate) fn variants() -> Vec<Variant> {
         asked("moduli", Demand { moduli: true, ..NOTHING }),
         asked("contact network", Demand { contact_network: true, ..NOTHING }),
         asked("all three", Demand::ALL),
-    ];
-    #[cfg(any(feature = "mcap", feature = "ros"))]
-    let heard = |feature, setting, listens| Variant {
-        feature,
-        setting,
-        physics: "",
-        demand: NOTHING,
-        listens,
-    };
-    #[cfg(feature = "mcap")]
-    variants.push(heard("recording", "on", Listens::Recorder));
-    #[cfg(feature = "ros")]
-    variants.extend([
+        heard("recording", "on", Listens::Recorder),
         heard("ROS 2 node", "nobody subscribed", Listens::Node),
         heard("ROS 2 node", "contact network subscribed", Listens::Subscriber),
-    ]);
-    variants
+    ]
 }
