@@ -7,11 +7,14 @@
 
 pub mod advance;
 pub mod balance;
+mod block;
 pub mod coupled;
 pub mod fire;
+pub mod lanes;
 pub mod linear;
 pub mod newton;
 pub mod rattlers;
+mod split;
 mod sym3;
 mod sym6;
 pub mod tangential;
