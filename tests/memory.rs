@@ -10,7 +10,7 @@ use graintwin::model::Model;
 use graintwin::pack;
 use graintwin::relax::advance::advance;
 use graintwin::relax::{Workspace, relax};
-use graintwin::scene::{self, Law};
+use graintwin::scene::{self, Law, Method};
 use graintwin::state::State;
 
 /// The system's allocator, counting the bytes in use.
@@ -56,21 +56,25 @@ fn state_and_scratch_hold_what_they_say() {
         };
         let more = format!("contact: {{friction: {friction}}}\ngravity: [0, 0, {gravity:?}]\n");
         let scene = scene::parse(&format!("{text}{more}"), path).unwrap();
-        let loaded = scene::Loaded { scene: scene.clone(), file: path.into() };
-        let model = Model::new(&pack::build(&loaded).unwrap(), &scene);
-        pool.install(|| {
-            let before = IN_USE.load(Ordering::SeqCst);
-            let mut state = State::new(&model);
-            let mut work = Workspace::new(&model);
-            work.start(&model, &state);
-            let here = relax(&model, &mut state, &mut work);
-            work.commit(&model, &mut state);
-            let travel = 1e-4 * model.start.sides()[2];
-            let target = [0.0, 0.0, 0.0, 0.0, travel, 0.0];
-            let reached = advance(&model, &mut state, &mut work, &target, here);
-            assert!(reached.outcome.status.is_equilibrium());
-            let held = IN_USE.load(Ordering::SeqCst) - before;
-            assert_eq!(state.heap_bytes() + work.heap_bytes(), held, "{law:?} {gravity}");
-        });
+        let pack = pack::build(&scene::Loaded { scene: scene.clone(), file: path.into() }).unwrap();
+        for method in Method::ALL {
+            let mut model = Model::new(&pack, &scene);
+            model.solver.method = method;
+            model.solver.tolerance = 1e-4;
+            pool.install(|| {
+                let before = IN_USE.load(Ordering::SeqCst);
+                let mut state = State::new(&model);
+                let mut work = Workspace::new(&model);
+                work.start(&model, &state);
+                let here = relax(&model, &mut state, &mut work);
+                work.commit(&model, &mut state);
+                let travel = 1e-4 * model.start.sides()[2];
+                let target = [0.0, 0.0, 0.0, 0.0, travel, 0.0];
+                advance(&model, &mut state, &mut work, &target, here);
+                let held = IN_USE.load(Ordering::SeqCst) - before;
+                let said = state.heap_bytes() + work.heap_bytes();
+                assert_eq!(said, held, "{method:?} {law:?} {gravity}");
+            });
+        }
     }
 }
