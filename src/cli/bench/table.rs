@@ -9,7 +9,7 @@ use crate::cli::output::significant;
 
 const HEADER: &str = "\
 method               tolerance     ms, median       mean  gradients  products  bytes/grain  \
-force error, worst  position error, worst  modulus error, worst\n";
+forces: median, worst  positions: median, worst  moduli: median, worst\n";
 
 pub(super) fn write(measured: &Measured) -> String {
     let Measured { scene, file, grains, increments, threads, reference, .. } = measured;
@@ -26,7 +26,7 @@ pub(super) fn write(measured: &Measured) -> String {
         let megabytes = significant(bytes as f64 * 1e-6, 3);
         text.push_str(&format!("memory      {megabytes} MB at most, all in all\n"));
     }
-    text.push('\n');
+    text.push_str("\nAn increment, and its errors against the reference\n");
     text.push_str(HEADER);
     measured.rows.iter().for_each(|row| line(&mut text, row));
     if !measured.whole {
@@ -58,7 +58,7 @@ fn line(to: &mut String, row: &Row) {
             significant(row.bytes_per_grain, 3),
         );
         let errors = [row.force_error, row.position_error, row.modulus_error];
-        for (error, width) in errors.iter().zip([18, 21, 20]) {
+        for (error, width) in errors.iter().zip([21, 24, 21]) {
             let both = format!("{}, {}", shown(error.median), shown(error.worst));
             let _ = write!(to, "  {both:>width$}");
         }
