@@ -7,7 +7,7 @@
 //!
 //! All on the benchmark pack of 2740 grains, one increment of 1e-4 after its equilibrium, on one
 //! thread. A factorisation and a product cannot be called alone: solves of different length are
-//! subtracted.
+//! subtracted, and what a solve does once (right-hand side, first direction) counts as factorising.
 #![allow(clippy::print_stdout, clippy::expect_used)] // A bench prints, and ends when its input is not there.
 
 #[path = "common/callgrind.rs"]
