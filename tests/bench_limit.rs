@@ -12,6 +12,7 @@ use graintwin::bench::{Ended, Job, Reference, Row, TOLERANCES, Timing, measure};
 use graintwin::command::Command;
 use graintwin::path;
 use graintwin::scene::{Method, Scene};
+use graintwin::view::work_precision;
 use packs::{made, scene};
 
 /// A clock that is a second later whenever it is read.
@@ -60,6 +61,9 @@ fn a_row_ends_at_the_limit_and_tighter_tolerances_are_not_tried() {
         assert!(row.cpu_seconds_median.is_nan() && row.force_error.worst.is_nan());
         assert!(row.text.contains("1e-2"), "{}", row.text);
     }
+    let notes = &work_precision(&rows, "", "").charts[0].notes;
+    let cut = rows.iter().filter(|row| row.ended == Ended::Limit).count();
+    assert!(notes.len() == cut && notes[0].starts_with("newton at 1e-2: "), "{notes:?}");
 }
 
 #[test]

@@ -1,17 +1,18 @@
 //! The work-precision diagram.
 
 use super::{Axis, Chart, Kind, Series, Sheet, Unit};
-use crate::bench::Row;
+use crate::bench::{Ended, Row};
 use crate::scene::Method;
 
 /// Charts of `rows`: time against the error of wall forces, moduli and positions, and evaluations
 /// and products against that of the wall forces; one line a method, medians over the increments.
+/// Notes say which rows hold fewer increments than the others.
 #[must_use]
 pub fn work_precision(rows: &[Row], title: &str, subtitle: &str) -> Sheet {
     let time = || Axis { label: "CPU time per increment".into(), ..log(Unit::Si("s")) };
     let seconds = |row: &Row| row.cpu_seconds_median;
     let forces = || Axis::log("error of wall forces");
-    let charts = vec![
+    let mut charts = vec![
         chart("Wall forces", [forces(), time()], rows, &|row| row.force_error.median, &seconds),
         chart(
             "Secant moduli",
@@ -35,6 +36,10 @@ pub fn work_precision(rows: &[Row], title: &str, subtitle: &str) -> Sheet {
             &|row| row.gradients + row.products,
         ),
     ];
+    let short = rows.iter().filter(|row| matches!(row.ended, Ended::Limit | Ended::Failed));
+    charts[0].notes = short
+        .map(|row| format!("{} at {:.0e}: {}.", row.method.name(), row.tolerance, row.text))
+        .collect();
     Sheet { title: title.into(), subtitle: subtitle.into(), charts }
 }
 
