@@ -37,7 +37,7 @@ const ROUNDS: u32 = 40;
 
 /// Longest Newton step with friction over the mean overlap: beyond it the contacts that slide are
 /// others.
-const FRICTIONAL_CAP: f64 = 0.1;
+const FRICTIONAL_CAP: f64 = 0.03;
 
 /// Residuals of the descents from an unstable configuration, one after the other.
 const DESCENTS: [f64; 5] = [1e-3, 3e-4, 1e-4, 1e-5, 1e-6];

@@ -4,7 +4,7 @@ use crate::Vec3;
 use crate::measure::walls;
 use crate::model::Model;
 use crate::relax::tangential::Changes;
-use crate::relax::{Outcome, Status, Workspace, relax};
+use crate::relax::{Outcome, Status, Workspace, newton, relax};
 use crate::scene::Update;
 use crate::state::State;
 use crate::wall;
@@ -64,6 +64,9 @@ pub fn advance(
         for attempt in 0.. {
             work.begin(model, state);
             move_walls(model, state, target, share);
+            if work.reference.active {
+                newton::predict(model, state, work);
+            }
             let outcome = solve(model, state, work);
             so_far.outcome = outcome;
             so_far.iterations += outcome.iterations;

@@ -103,7 +103,8 @@ impl Coupled {
         reference_stiffness: f64,
     ) {
         let rows = balance.gradient.len();
-        let scale = 1.0 / reference_stiffness;
+        let scale = (1.0 / reference_stiffness) as f32;
+        let radius = |i: usize| radius[i] as f32;
         self.joints.clear();
         self.pairs.clear();
         self.walls.clear();
@@ -136,7 +137,7 @@ impl Coupled {
                 }
                 let live = shearing.filter(|t| t.live);
                 if touching.is_some() || live.is_some() {
-                    let radii = [radius[i], radius[second as usize]];
+                    let radii = [radius(i), radius(second as usize)];
                     self.joints.push(joint(touching, live, radii, scale));
                     self.pairs.push((i as u32, second));
                 }
@@ -148,7 +149,7 @@ impl Coupled {
             }
             while let Some((_, t)) = held.next_if(|(h, _)| h.first as usize == i) {
                 if t.live {
-                    self.walls.push((i as u32, joint(None, Some(t), [radius[i]; 2], scale)));
+                    self.walls.push((i as u32, joint(None, Some(t), [radius(i); 2], scale)));
                 }
             }
         }
@@ -261,7 +262,7 @@ impl Part {
 }
 
 /// The contact of a touching pair, a pair that holds shear, or both.
-fn joint(touching: Option<&Link>, live: Option<&Traction>, radii: [f64; 2], scale: f64) -> Joint {
+fn joint(touching: Option<&Link>, live: Option<&Traction>, radii: [f32; 2], scale: f32) -> Joint {
     let mut joint = Joint::default();
     if let Some(link) = touching {
         joint.press(link.m, link.b);

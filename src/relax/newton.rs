@@ -16,10 +16,12 @@ const FIRST_SHIFT: f64 = 0.02;
 const MOST_SHIFTED: [u32; 2] = [40, 150];
 /// Steps between two looks for grains that nothing holds.
 const PATIENCE: u32 = 20;
-/// What whole steps divide the shifts by, without friction and with it.
-const RELIEF: [f32; 2] = [4.0, 8.0];
+/// What whole steps divide the shifts by, without friction; with it they drop them.
+const RELIEF: f32 = 4.0;
 /// Least shift of a grain that is held back over its first one, with friction.
-const HELD: f32 = 100.0;
+const HELD: f32 = 1000.0;
+/// Reduction of the residual of the step that takes contacts to stick.
+const PREDICTION: f64 = 0.1;
 /// Shifts tried in one step.
 const MOST_SHIFTS: u32 = 60;
 /// Most that one linear solve may take.
@@ -99,6 +101,28 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
     }
 }
 
+/// Takes one step as if contacts that stuck would stick on: moving with the walls without turning
+/// makes grains slide that in truth roll, and it takes long to find out which.
+pub(super) fn predict(model: &Model, state: &mut State, work: &mut Workspace) {
+    work.reference.sticks = true;
+    work.evaluate(model, state, &state.bounds(model));
+    work.assemble(model);
+    work.reference.sticks = false;
+    work.shift.clear();
+    work.shift.resize(model.len(), 0.0);
+    let largest = work.balance.largest();
+    if largest == 0.0 || work.solve(largest, PREDICTION, MOST_PRODUCTS) != Inner::Step {
+        return;
+    }
+    let longest = work.balance.sums.mean_overlap();
+    for i in 0..model.len() {
+        let length = work.step[i].norm().max(work.turn[i].norm());
+        let share = if length > longest { longest / length } else { 1.0 };
+        state.position[i] += work.step[i] * share;
+        state.rotation[i] += work.turn[i] * (share / model.radius[i]);
+    }
+}
+
 /// Largest unbalanced force over the mean contact force; weights count where nothing touches.
 pub(super) fn residual(model: &Model, largest: f64, mean_force: f64) -> f64 {
     let weight = model.weight.iter().map(Vec3::norm).fold(0.0, f64::max);
@@ -158,12 +182,11 @@ fn step(
             }
             continue;
         };
-        let relief = RELIEF[usize::from(work.reference.active)];
         for (shift, first) in work.shift.iter_mut().zip(&work.first_shift) {
             *shift = match () {
                 () if !whole => *shift,
-                () if *shift <= *first => 0.0,
-                () => *shift / relief,
+                () if *shift <= *first || work.reference.active => 0.0,
+                () => *shift / RELIEF,
             };
         }
         return Some(shifted);

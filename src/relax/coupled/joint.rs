@@ -44,15 +44,15 @@ impl Joint {
     }
 
     /// Takes the tangential part of the linearisation.
-    pub(super) fn shear(&mut self, t: &Traction, radii: [f64; 2], scale: f64) {
-        let four = |v: [f64; 3]| Four([v[0] as f32, v[1] as f32, v[2] as f32, 0.0]);
-        self.n = four(t.normal.into());
-        self.e = four(t.shear.direction.into());
-        self.across = (t.shear.across * scale) as f32;
-        self.sliding = ((t.shear.along - t.shear.across) * scale) as f32;
-        self.lever = [0, 1].map(|k| (t.arm[k] / radii[k]) as f32);
-        let root = (t.torsion.stiffness * scale).sqrt();
-        self.twist = radii.map(|radius| (root / radius) as f32);
+    pub(super) fn shear(&mut self, t: &Traction, radii: [f32; 2], scale: f32) {
+        let four = |[x, y, z]: [f32; 3]| Four([x, y, z, 0.0]);
+        self.n = four(t.normal);
+        self.e = four(t.direction);
+        self.across = t.across * scale;
+        self.sliding = t.sliding * scale;
+        self.lever = [0, 1].map(|k| t.arm[k] / radii[k]);
+        let root = (t.torsion * scale).sqrt();
+        self.twist = radii.map(|radius| root / radius);
     }
 
     /// The same contact with i and j exchanged.
