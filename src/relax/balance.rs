@@ -190,6 +190,7 @@ impl Balance {
             + heap::bytes(&self.wall_stiffness)
             + heap::bytes(&self.moment)
             + heap::bytes(&self.tractions)
+            + heap::bytes(&self.pulls)
             + heap::bytes(&self.pair_force)
             + heap::bytes(&self.chunk_sums)
     }
