@@ -3,32 +3,43 @@
 //! [`advance`](advance::advance) moves the walls in sub-increments and calls [`relax`] after each.
 //! That leaves out the grains that cannot carry load ([`rattlers`]), minimises the energy of the
 //! others by [`newton`], and where that runs into an instability follows the grains downhill
-//! ([`fire`]) and begins again.
+//! ([`fire`]) and begins again. The methods of the seeds take the place of [`newton`] where the
+//! scene asks for one: `conjugate_gradient`, `gauss_seidel` and `dynamic`.
 
 pub mod advance;
 pub mod balance;
 mod block;
+mod conjugate_gradient;
 pub mod coupled;
+mod dynamic;
 pub mod fire;
+mod gauss_seidel;
 pub mod lanes;
 pub mod linear;
 pub mod newton;
 pub mod rattlers;
+mod rows;
 mod split;
+mod sticking;
 mod sym3;
 mod sym6;
 pub mod tangential;
+mod verdict;
 
 use crate::Vec3;
 use crate::contact::hertz;
 use crate::contact::neighbours::Neighbours;
 use crate::heap;
 use crate::model::Model;
+use crate::scene::Method;
 use crate::state::{Memory, State};
 use crate::wall::Bounds;
 use balance::{Balance, Configuration, Sums};
 use coupled::Coupled;
+use dynamic::Inertia;
+use gauss_seidel::Sweeper;
 use linear::{Inner, Linear};
+use newton::Solved;
 use rattlers::Rattlers;
 use tangential::{Changes, Reference};
 
@@ -77,7 +88,7 @@ pub struct Outcome {
     pub status: Status,
     /// Largest unbalanced force of a grain over the mean contact force.
     pub residual: f64,
-    /// Newton steps.
+    /// Steps of the method.
     pub iterations: u32,
     /// Inertial descents, each from a configuration that was unstable.
     pub descents: u32,
@@ -99,7 +110,7 @@ impl Outcome {
 /// What the work is counted in, on any machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effort {
-    /// Evaluations of the balance: energy and gradient.
+    /// Evaluations of the balance: energy and gradient. A sweep grain by grain counts as one.
     pub gradients: u64,
     /// Products of the linearised balance with a vector.
     pub products: u64,
@@ -139,6 +150,8 @@ pub struct Workspace {
     /// For the memory that is being written.
     memory: Memory,
     rattlers: Rattlers,
+    sweeper: Sweeper,
+    inertia: Inertia,
     negligible_force: f64,
 }
 
@@ -167,6 +180,8 @@ impl Workspace {
             trial_balance: Balance::default(),
             memory: Memory::default(),
             rattlers: Rattlers::default(),
+            sweeper: Sweeper::default(),
+            inertia: Inertia::default(),
             negligible_force: model.negligible_force(),
         }
     }
@@ -175,7 +190,9 @@ impl Workspace {
     #[must_use]
     pub fn effort(&self) -> Effort {
         Effort {
-            gradients: self.balance.evaluations + self.trial_balance.evaluations,
+            gradients: self.balance.evaluations
+                + self.trial_balance.evaluations
+                + self.sweeper.sweeps,
             products: self.linear.products + self.coupled.products,
         }
     }
@@ -193,6 +210,8 @@ impl Workspace {
             + self.coupled.heap_bytes()
             + self.memory.heap_bytes()
             + self.rattlers.heap_bytes()
+            + self.sweeper.heap_bytes()
+            + self.inertia.heap_bytes()
             + single
             + heap::bytes(&self.support)
             + vectors.into_iter().map(heap::bytes).sum::<usize>()
@@ -286,7 +305,11 @@ impl Workspace {
 
 /// Relaxes `state` at its walls. On a status that is no equilibrium the state is not to be used.
 pub fn relax(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
-    let mut outcome = newton(model, state, work);
+    let mut outcome = carrying(model, state, work);
+    if model.solver.method != Method::Newton {
+        // These methods descend step by step of their own accord.
+        return outcome;
+    }
     for residual in DESCENTS {
         if outcome.status != Status::Unstable && outcome.status != Status::Stalled {
             break;
@@ -295,19 +318,29 @@ pub fn relax(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome 
         let goal = fire::Goal { residual, pressure: None, steps };
         fire::descend(model, state, work, goal);
         let (iterations, descents) = (outcome.iterations, outcome.descents);
-        outcome = newton(model, state, work);
+        outcome = carrying(model, state, work);
         outcome.iterations += iterations;
         outcome.descents += descents + 1;
     }
     outcome
 }
 
-/// Relaxes by Newton's method alone.
-fn newton(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
+/// Relaxes the grains that carry load by the scene's method alone.
+fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
+    match model.solver.method {
+        Method::Newton => newton::solve(model, state, work),
+        Method::ConjugateGradient => conjugate_gradient::solve(model, state, work),
+        Method::GaussSeidel => gauss_seidel::solve(model, state, work),
+        Method::Dynamic => dynamic::solve(model, state, work),
+    }
+}
+
+/// Relaxes by the scene's method alone, the floating grains beside those that carry.
+fn carrying(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
     let (mut iterations, mut round) = (0, 0);
     rattlers::find(model, state, work);
     loop {
-        let solved = newton::solve(model, state, work);
+        let solved = solve(model, state, work);
         iterations += solved.iterations;
         let (residual, sums) = (solved.residual, work.balance.sums);
         let outcome = |status| Outcome { status, residual, iterations, sums, descents: 0 };

@@ -119,7 +119,7 @@ impl Twin {
             (Status::Unjammed, _) => UNJAMMED.into(),
             (_, 0) => String::new(),
             (_, steps) => {
-                format!("the pack was not in equilibrium: relaxed in {steps} Newton steps")
+                format!("the pack was not in equilibrium: relaxed in {steps} iterations")
             }
         };
         report.substeps = u32::from(outcome.iterations > 0);
@@ -200,7 +200,7 @@ impl Twin {
         let residual = outcome.residual;
         match outcome.status {
             Status::MaxIterations => format!(
-                "no equilibrium in {} Newton steps: residual {residual:.1e}, {tolerance:.1e} asked",
+                "no equilibrium in {} iterations: residual {residual:.1e}, {tolerance:.1e} asked",
                 outcome.iterations
             ),
             Status::Unstable => format!(

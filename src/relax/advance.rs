@@ -5,7 +5,7 @@ use crate::measure::walls;
 use crate::model::Model;
 use crate::relax::tangential::Changes;
 use crate::relax::{Outcome, Status, Workspace, newton, relax};
-use crate::scene::Update;
+use crate::scene::{Method, Update};
 use crate::state::State;
 use crate::wall;
 
@@ -26,7 +26,7 @@ pub struct Advance {
     pub outcome: Outcome,
     /// Equilibria on the way, the last included.
     pub substeps: u32,
-    /// Newton steps of all relaxations.
+    /// Steps of the method of all relaxations.
     pub iterations: u32,
     /// Inertial descents of all relaxations, each from a configuration that was unstable.
     pub descents: u32,
@@ -64,7 +64,8 @@ pub fn advance(
         for attempt in 0.. {
             work.begin(model, state);
             move_walls(model, state, target, share);
-            if work.reference.active {
+            // The seeds' methods begin where the walls take the grains.
+            if work.reference.active && model.solver.method == Method::Newton {
                 newton::predict(model, state, work);
             }
             let outcome = solve(model, state, work);

@@ -79,7 +79,7 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
             }
             extra += 1;
         }
-        if iterations >= model.solver.max_iterations {
+        if iterations >= model.solver.most_iterations() {
             return end(Status::MaxIterations);
         }
         iterations += 1;
@@ -263,6 +263,6 @@ fn search(model: &Model, state: &mut State, work: &mut Workspace, bounds: &Bound
 }
 
 /// Sum of the squares of the unbalanced forces.
-fn square(balance: &Balance) -> f64 {
+pub(super) fn square(balance: &Balance) -> f64 {
     balance.gradient.iter().chain(&balance.moment).map(Vec3::norm_squared).sum()
 }

@@ -23,7 +23,8 @@ use crate::state::{Remembered, State};
 
 pub use commit::Changes;
 pub use held::Held;
-use held::{Midway, Pair, Pose, wall_normal};
+pub(super) use held::Pose;
+use held::{Midway, Pair, wall_normal};
 
 /// Contacts that one task answers for, and that are answered for before their forces are added
 /// up; the bits do not depend on either.
@@ -55,14 +56,14 @@ pub struct Traction {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Pull {
     /// Q on grain i \[N\].
-    force: Vec3,
+    pub(super) force: Vec3,
     /// n̂ × Q \[N\].
-    lever: Vec3,
+    pub(super) lever: Vec3,
     /// Couple on grain i \[N m\].
-    couple: Vec3,
+    pub(super) couple: Vec3,
     /// Of shear and torsion \[J\].
     potential: f64,
-    arm: [f64; 2],
+    pub(super) arm: [f64; 2],
 }
 
 /// All contacts at the reference configuration; empty for a frictionless specimen.
@@ -172,21 +173,7 @@ impl Reference {
             let tasks = tractions.par_chunks_mut(CHUNK).zip(pulls.par_chunks_mut(CHUNK));
             tasks.zip(contacts.par_chunks(CHUNK)).for_each(|((tractions, pulls), contacts)| {
                 for ((traction, pull), held) in tractions.iter_mut().zip(pulls).zip(contacts) {
-                    let other = match held.second {
-                        Other::Grain(j) => at.carries[j as usize],
-                        Other::Wall(_) => true,
-                    };
-                    (*traction, *pull) = match other && at.carries[held.first as usize] {
-                        true => {
-                            let motion = held.motion(&pose, &self.rotation);
-                            match self.sticks && !held.carried.slides {
-                                true => held.stick(&motion),
-                                false => held.answer(&motion, friction.law, &self.layers),
-                            }
-                            .parts()
-                        }
-                        false => Default::default(),
-                    };
+                    (*traction, *pull) = self.answer(held, friction.law, &pose, at.carries);
                 }
             });
             for (held, pull) in contacts.iter().zip(&*pulls) {
@@ -204,6 +191,31 @@ impl Reference {
         for (moment, radius) in moment.iter_mut().zip(&model.radius) {
             *moment /= *radius;
         }
+    }
+
+    /// Answer of the contact `held` to the configuration `pose`; nothing where one of the bodies
+    /// takes no part.
+    #[inline(always)]
+    pub(super) fn answer(
+        &self,
+        held: &Held,
+        law: Law,
+        pose: &Pose<'_>,
+        carries: &[bool],
+    ) -> (Traction, Pull) {
+        let other = match held.second {
+            Other::Grain(j) => carries[j as usize],
+            Other::Wall(_) => true,
+        };
+        if !(other && carries[held.first as usize]) {
+            return Default::default();
+        }
+        let motion = held.motion(pose, &self.rotation);
+        match self.sticks && !held.carried.slides {
+            true => held.stick(&motion),
+            false => held.answer(&motion, law, &self.layers),
+        }
+        .parts()
     }
 
     /// Renews the limit with the overlaps of `state` and the stiffness with their mean with those
