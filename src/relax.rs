@@ -29,6 +29,7 @@ mod verdict;
 use crate::Vec3;
 use crate::contact::hertz;
 use crate::contact::neighbours::Neighbours;
+use crate::heap;
 use crate::model::Model;
 use crate::scene::Method;
 use crate::state::{Memory, State};
@@ -168,7 +169,7 @@ impl Workspace {
             coupled: Coupled::default(),
             reference_stiffness: hertz::stiffness(modulus, 1e-2 * model.mean_radius),
             step_cap: if model.friction.is_some() { FRICTIONAL_CAP } else { 1.0 },
-            shift: Vec::with_capacity(model.len()),
+            shift: vec![0.0; model.len()],
             first_shift: Vec::with_capacity(model.len()),
             support: Vec::new(),
             step: Vec::with_capacity(model.len()),
@@ -194,6 +195,26 @@ impl Workspace {
                 + self.sweeper.sweeps,
             products: self.linear.products + self.coupled.products,
         }
+    }
+
+    /// Memory that its lists hold \[bytes\].
+    #[must_use]
+    pub fn heap_bytes(&self) -> usize {
+        let single = heap::bytes(&self.shift) + heap::bytes(&self.first_shift);
+        let vectors = [&self.step, &self.turn, &self.trial, &self.trial_rotation, &self.velocity];
+        self.neighbours.heap_bytes()
+            + self.balance.heap_bytes()
+            + self.trial_balance.heap_bytes()
+            + self.reference.heap_bytes()
+            + self.linear.heap_bytes()
+            + self.coupled.heap_bytes()
+            + self.memory.heap_bytes()
+            + self.rattlers.heap_bytes()
+            + self.sweeper.heap_bytes()
+            + self.inertia.heap_bytes()
+            + single
+            + heap::bytes(&self.support)
+            + vectors.into_iter().map(heap::bytes).sum::<usize>()
     }
 
     /// Evaluates the balance of `state` in the box `bounds`.
@@ -236,7 +257,7 @@ impl Workspace {
     }
 
     /// Takes the linearisation of the balance.
-    fn assemble(&mut self, model: &Model) {
+    pub fn assemble(&mut self, model: &Model) {
         match self.reference.active {
             false => self.linear.assemble(&self.balance, &self.neighbours),
             true => self.coupled.assemble(
@@ -249,8 +270,10 @@ impl Workspace {
         }
     }
 
-    /// Solves for the step, with the shifts as they are; `largest` \[N\] scales it.
-    fn solve(&mut self, largest: f64, forcing: f64, most: u32) -> Inner {
+    /// Solves for the step in at most `most` products after [`assemble`](Self::assemble), with the
+    /// shifts as they are, until the preconditioned residual fell by `forcing`; `largest` \[N\]
+    /// scales it.
+    pub fn solve(&mut self, largest: f64, forcing: f64, most: u32) -> Inner {
         let unit = largest / self.reference_stiffness;
         let Self { balance, linear, coupled, step, turn, .. } = self;
         step.clear();

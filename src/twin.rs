@@ -10,7 +10,7 @@ use crate::measure::{moduli, network, porosity, stress, walls};
 use crate::model::{Model, sphere_volume};
 use crate::pack::{Grain, Pack};
 use crate::relax::advance::{Advance, advance};
-use crate::relax::{Outcome, Status, Workspace, relax};
+use crate::relax::{Effort, Outcome, Status, Workspace, relax};
 use crate::report::{Demand, Measures, Moduli, PackState, Report};
 use crate::scene::Scene;
 use crate::state::State;
@@ -285,6 +285,18 @@ impl Twin {
                 .contact_network
                 .then(|| network::network(&self.model, contacts.counted())),
         }
+    }
+
+    /// The work done since the start.
+    #[must_use]
+    pub fn effort(&self) -> Effort {
+        self.work.effort()
+    }
+
+    /// Memory that state and scratch hold \[bytes\].
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        self.state.heap_bytes() + self.work.heap_bytes()
     }
 
     /// Histograms of the coordination number now (T fig. 2.6).

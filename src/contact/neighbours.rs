@@ -2,6 +2,7 @@
 
 use crate::Vec3;
 use crate::contact::hertz;
+use crate::heap;
 use crate::model::Model;
 use crate::wall::{self, Bounds};
 
@@ -136,6 +137,18 @@ impl Neighbours {
         }
     }
 
+    /// Memory that its lists hold \[bytes\].
+    pub(crate) fn heap_bytes(&self) -> usize {
+        heap::bytes(&self.start)
+            + heap::bytes(&self.second)
+            + heap::bytes(&self.modulus)
+            + heap::bytes(&self.wall_start)
+            + heap::bytes(&self.walls)
+            + heap::bytes(&self.wall_modulus)
+            + heap::bytes(&self.made_at)
+            + self.cells.heap_bytes()
+    }
+
     /// The entries of row `i` in `second`.
     #[must_use]
     #[inline(always)]
@@ -159,6 +172,11 @@ pub fn wall_gap(at: &Vec3, wall: usize, bounds: &Bounds) -> f64 {
 }
 
 impl Cells {
+    /// Memory that its lists hold \[bytes\].
+    fn heap_bytes(&self) -> usize {
+        heap::bytes(&self.start) + heap::bytes(&self.grains) + heap::bytes(&self.cell_of)
+    }
+
     /// Sorts `position` into cells no smaller than `reach`.
     fn sort(&mut self, position: &[Vec3], reach: f64) {
         let (mut low, mut high) = (Vec3::repeat(f64::MAX), Vec3::repeat(f64::MIN));

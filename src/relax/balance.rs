@@ -5,6 +5,7 @@ use rayon::join;
 use crate::Vec3;
 use crate::contact::hertz;
 use crate::contact::neighbours::{Neighbours, wall_gap};
+use crate::heap;
 use crate::model::Model;
 use crate::relax::lanes::{Kernel, Lanes, dispatch};
 use crate::relax::tangential::{Pull, Reference, Traction};
@@ -183,6 +184,19 @@ impl Balance {
                 self.sums.energy -= weight.dot(&(at.position[i] - origin));
             }
         }
+    }
+
+    /// Memory that its lists hold \[bytes\].
+    pub(crate) fn heap_bytes(&self) -> usize {
+        heap::bytes(&self.gradient)
+            + heap::bytes(&self.links)
+            + heap::bytes(&self.links_in_row)
+            + heap::bytes(&self.wall_stiffness)
+            + heap::bytes(&self.moment)
+            + heap::bytes(&self.tractions)
+            + heap::bytes(&self.pulls)
+            + heap::bytes(&self.pair_force)
+            + heap::bytes(&self.chunk_sums)
     }
 
     /// Largest unbalanced force of a grain, or moment over radius \[N\].

@@ -7,6 +7,7 @@ mod mass;
 use std::f64::consts::SQRT_2;
 
 use crate::Vec3;
+use crate::heap;
 use crate::model::Model;
 use crate::relax::Workspace;
 use crate::relax::newton::Solved;
@@ -65,6 +66,11 @@ fn run(
 }
 
 impl Inertia {
+    /// Memory that its lists hold \[bytes\].
+    pub(super) fn heap_bytes(&self) -> usize {
+        self.masses.heap_bytes() + heap::bytes(&self.velocity) + heap::bytes(&self.spin)
+    }
+
     /// Begins with grains at rest.
     fn halt(&mut self, state: &State) {
         self.velocity.clear();

@@ -81,6 +81,11 @@ fn run(
 }
 
 impl Sweeper {
+    /// Memory that its lists hold \[bytes\].
+    pub(super) fn heap_bytes(&self) -> usize {
+        self.near.heap_bytes() + self.held.heap_bytes()
+    }
+
     /// Lists the contacts at the reference by grain.
     fn list_held(&mut self, model: &Model, work: &Workspace) {
         let contacts = &work.reference.contacts;

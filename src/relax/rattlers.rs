@@ -6,6 +6,7 @@ mod site;
 use crate::Vec3;
 use crate::contact::Other;
 use crate::contact::neighbours::{Neighbours, wall_gap};
+use crate::heap;
 use crate::model::Model;
 use crate::relax::rows::Rows;
 use crate::relax::{Workspace, newton};
@@ -40,6 +41,13 @@ pub struct Rattlers {
     near: Rows<(u32, f64)>,
     degree: Vec<u32>,
     stack: Vec<u32>,
+}
+
+impl Rattlers {
+    /// Memory that its lists hold \[bytes\].
+    pub(crate) fn heap_bytes(&self) -> usize {
+        self.near.heap_bytes() + heap::bytes(&self.degree) + heap::bytes(&self.stack)
+    }
 }
 
 fn overlap(model: &Model, position: &[Vec3], i: usize, j: usize) -> f64 {

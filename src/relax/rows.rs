@@ -1,6 +1,7 @@
 //! Rows of entries a grain: every pair both ways, for what takes one grain at a time.
 
 use crate::contact::neighbours::Neighbours;
+use crate::heap;
 
 /// Entries of each grain, one grain after the other.
 #[derive(Clone, Debug, Default)]
@@ -38,6 +39,11 @@ impl<T: Copy + Default> Rows<T> {
     /// The entries of grain `i`.
     pub(super) fn row(&self, i: usize) -> &[T] {
         &self.entries[self.start[i] as usize..self.start[i + 1] as usize]
+    }
+
+    /// Memory that its lists hold \[bytes\].
+    pub(super) fn heap_bytes(&self) -> usize {
+        heap::bytes(&self.start) + heap::bytes(&self.length) + heap::bytes(&self.entries)
     }
 
     /// The number of entries of each grain, shape (n).

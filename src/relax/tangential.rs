@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use crate::Vec3;
 use crate::contact::Other;
 use crate::contact::neighbours::{Neighbours, wall_gap};
+use crate::heap;
 use crate::model::Model;
 use crate::pack::Layer;
 use crate::relax::balance::{Balance, Configuration};
@@ -137,6 +138,11 @@ impl Reference {
                 push(i, Other::Wall(w), *at, wall_normal(w), model.radius[i] - gap);
             }
         }
+    }
+
+    /// Memory that its lists hold \[bytes\].
+    pub(crate) fn heap_bytes(&self) -> usize {
+        heap::bytes(&self.contacts) + heap::bytes(&self.layers) + heap::bytes(&self.rotation)
     }
 
     /// Whether the pair carried load at the reference by more than `least` \[m\] of overlap.

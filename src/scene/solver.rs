@@ -97,6 +97,21 @@ pub enum Method {
 }
 
 impl Method {
+    /// Every method.
+    pub const ALL: [Self; 4] =
+        [Self::Newton, Self::ConjugateGradient, Self::GaussSeidel, Self::Dynamic];
+
+    /// The name that scenes know it by.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Newton => "newton",
+            Self::ConjugateGradient => "conjugate_gradient",
+            Self::GaussSeidel => "gauss_seidel",
+            Self::Dynamic => "dynamic",
+        }
+    }
+
     /// Steps before an increment is given up, where the scene does not say.
     #[must_use]
     pub fn max_iterations(self) -> u32 {

@@ -5,6 +5,7 @@
 //! row sum of |D| as the mass of a grain all frequencies are below √2 (Gershgorin).
 
 use crate::contact::Other;
+use crate::heap;
 use crate::model::Model;
 use crate::relax::sym3::Sym3;
 use crate::relax::sym6::Sym6;
@@ -24,6 +25,11 @@ pub(super) struct Masses {
 }
 
 impl Masses {
+    /// Memory that its lists hold \[bytes\].
+    pub(super) fn heap_bytes(&self) -> usize {
+        heap::bytes(&self.mass) + heap::bytes(&self.shear) + heap::bytes(&self.stiffness)
+    }
+
     pub(super) fn of(&self, i: usize) -> [f64; 2] {
         self.mass[i]
     }
