@@ -14,6 +14,8 @@ const FIRST_SHIFT: f64 = 0.02;
 /// Shifted steps in a row after which the configuration counts as unstable, without friction and
 /// with it: a grain that hardly touches anything is then dragged along in steps of the cap.
 const MOST_SHIFTED: [u32; 2] = [40, 150];
+/// Residual at which floating grains are moved out of the way for the first time.
+const SETTLE: f64 = 1e-3;
 /// Steps between two looks for grains that nothing holds.
 const PATIENCE: u32 = 20;
 /// What whole steps divide the shifts by, without friction; with it they drop them.
@@ -54,6 +56,7 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
     work.shift.resize(model.len(), 0.0);
     let mut shifted = false;
     let mut in_a_row = 0;
+    let mut settled = false;
     work.evaluate(model, state, &bounds);
     loop {
         let sums = work.balance.sums;
@@ -78,6 +81,14 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
                 return end(Status::Converged);
             }
             extra += 1;
+        }
+        if !settled && tolerance < residual && residual <= SETTLE {
+            // Grains that turn out to carry load are better found before the balance is fine.
+            settled = true;
+            if rattlers::settle(model, state, work) {
+                work.evaluate(model, state, &bounds);
+                continue;
+            }
         }
         if iterations >= model.solver.most_iterations() {
             return end(Status::MaxIterations);
