@@ -85,7 +85,9 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
         if !settled && tolerance < residual && residual <= SETTLE {
             // Grains that turn out to carry load are better found before the balance is fine.
             settled = true;
-            if rattlers::settle(model, state, work) {
+            let list = work.neighbours.rebuilds;
+            // Grains that were moved may have taken another list, which is not that of the balance.
+            if rattlers::settle(model, state, work) || work.neighbours.rebuilds != list {
                 work.evaluate(model, state, &bounds);
                 continue;
             }
