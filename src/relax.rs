@@ -6,6 +6,7 @@
 //! ([`fire`]) and begins again. The methods of the seeds take the place of [`newton`] where the
 //! scene asks for one: `conjugate_gradient`, `gauss_seidel` and `dynamic`.
 
+pub mod accuracy;
 pub mod advance;
 pub mod balance;
 mod block;

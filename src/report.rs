@@ -51,6 +51,9 @@ pub struct Measures {
     pub increment: u64,
     /// Forces on the walls.
     pub walls: WallForces,
+    /// Estimate of the largest error of a wall's normal force \[N\] against the exact equilibrium;
+    /// it bounds the error in nearly all increments (`docs/accuracy.md`).
+    pub wall_force_error: f64,
     /// Present when [`Demand::state`] was set.
     pub state: Option<PackState>,
     /// Present when [`Demand::moduli`] was set.

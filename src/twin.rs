@@ -10,7 +10,7 @@ use crate::measure::{moduli, network, porosity, stress, walls};
 use crate::model::{Model, sphere_volume};
 use crate::pack::{Grain, Pack};
 use crate::relax::advance::{Advance, advance};
-use crate::relax::{Effort, Outcome, Status, Workspace, relax};
+use crate::relax::{Effort, Outcome, Status, Workspace, accuracy, relax};
 use crate::report::{Demand, Measures, Moduli, PackState, Report};
 use crate::scene::Scene;
 use crate::state::State;
@@ -109,6 +109,9 @@ impl Twin {
             report.text = format!("the pack as given: {}", self.explain(&outcome));
             return report;
         }
+        let Self { model, state, work, pool, .. } = self;
+        let wall_force_error =
+            pool.install(|| accuracy::wall_force_error(model, state, work, &outcome));
         let changes = match outcome.iterations {
             // What was an equilibrium stays what it was, to the bit.
             0 => self.work.keep(&mut self.state),
@@ -125,7 +128,8 @@ impl Twin {
         report.substeps = u32::from(outcome.iterations > 0);
         let Outcome { iterations, descents, .. } = outcome;
         let substeps = report.substeps;
-        let reached = Advance { outcome, substeps, iterations, descents, changes };
+        let reached =
+            Advance { outcome, substeps, iterations, descents, wall_force_error, changes };
         report.measures = Some(self.measure(Stamp::default(), &reached, demand));
         report
     }
@@ -279,6 +283,7 @@ impl Twin {
             stamp,
             increment: self.increment,
             walls: wall_forces,
+            wall_force_error: reached.wall_force_error,
             state,
             moduli,
             network: demand

@@ -72,6 +72,8 @@ pub(super) struct Summary {
 struct Moment {
     increment: u64,
     walls: WallForces,
+    /// Estimated error of the normal forces on the walls, the largest \[N\].
+    wall_force_error: f64,
     state: Option<PackState>,
     moduli: Option<Moduli>,
 }
@@ -171,6 +173,7 @@ impl Summary {
         let moment = Moment {
             increment: measures.increment,
             walls: measures.walls,
+            wall_force_error: measures.wall_force_error,
             state: measures.state,
             moduli: measures.moduli,
         };

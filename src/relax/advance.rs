@@ -4,7 +4,7 @@ use crate::Vec3;
 use crate::measure::walls;
 use crate::model::Model;
 use crate::relax::tangential::Changes;
-use crate::relax::{Outcome, Status, Workspace, newton, relax};
+use crate::relax::{Outcome, Status, Workspace, accuracy, newton, relax};
 use crate::scene::{Method, Update};
 use crate::state::State;
 use crate::wall;
@@ -30,6 +30,9 @@ pub struct Advance {
     pub iterations: u32,
     /// Inertial descents of all relaxations, each from a configuration that was unstable.
     pub descents: u32,
+    /// Estimated error of the normal forces on the walls at the end, the largest \[N\]
+    /// ([`accuracy`]).
+    pub wall_force_error: f64,
     /// Contacts that opened and formed, and what is left of the error of freezing the limits.
     pub changes: Changes,
 }
@@ -52,6 +55,7 @@ pub fn advance(
         substeps: 0,
         iterations: 0,
         descents: 0,
+        wall_force_error: 0.0,
         changes: Changes::default(),
     };
     work.neighbours.refresh(model, &state.position, &state.bounds(model));
@@ -83,6 +87,10 @@ pub fn advance(
             share *= 0.5;
         }
         so_far.substeps += 1;
+        if state.displacement == *target {
+            so_far.wall_force_error =
+                accuracy::wall_force_error(model, state, work, &so_far.outcome);
+        }
         let changes = work.commit(model, state);
         so_far.changes.opened += changes.opened;
         so_far.changes.formed += changes.formed;

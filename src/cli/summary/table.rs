@@ -105,6 +105,7 @@ fn rows(start: &Moment, end: &Moment, frictional: bool) -> Vec<Row> {
     for (wall, name) in wall::NAMES.into_iter().enumerate() {
         add(name, "N", &|moment| Some(moment.walls.normal_force[wall]));
     }
+    add("error of them", "N", &|moment| Some(moment.wall_force_error));
     add("porosity", "", &|moment| Some(moment.state?.porosity));
     add("coordination", "", &|moment| Some(moment.state?.coordination_number));
     add("contacts", "", &|moment| Some(f64::from(moment.state?.contacts)));
