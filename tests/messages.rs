@@ -193,6 +193,7 @@ fn measures(contacts: u32) -> Measures {
             position: [-1.0, 3.0, -2.0, 2.0, -4.0, 4.0],
             ..report::WallForces::default()
         },
+        wall_force_error: 1.2e-9,
         state: None,
         moduli: None,
         network: Some(report::ContactNetwork {
@@ -261,4 +262,25 @@ fn a_wall_wrench_is_taken_about_the_centre_of_the_wall() {
     assert_eq!(wrench.header.frame_id, "wall_x_max");
     assert_eq!(wrench.wrench.force, Vector3 { x: 10.0, y: 20.0, z: 30.0 });
     assert_eq!(wrench.wrench.torque, Vector3::default());
+}
+
+#[test]
+fn a_report_of_an_equilibrium_says_how_exact_its_wall_forces_are() {
+    let said = |text: &str, measures: Option<Measures>| {
+        let report = report::Report {
+            stamp: Stamp { sec: 12, nanosec: 34 },
+            session: "test".into(),
+            sequence: 5,
+            increment: 5,
+            disposition: Disposition::Applied,
+            substeps: 1,
+            text: text.into(),
+            measures,
+        };
+        Report::from(&report).text
+    };
+    let exact = "wall forces within 1.2e-9 N of the exact equilibrium";
+    assert_eq!(said("", Some(measures(3))), exact);
+    assert_eq!(said("clamped", Some(measures(3))), format!("clamped; {exact}"));
+    assert_eq!(said("too far", None), "too far");
 }

@@ -112,10 +112,11 @@ fn agree(dress: fn(Scene) -> Scene) {
             }
             let off = apart(&got.state, &want.state);
             assert!(off <= 2e-7, "{method:?} {k}: a grain is {off:e} R off");
-            // The work is counted, and none of it is Newton's.
+            // The work is counted, and none of it is Newton's: the estimate of the error alone takes
+            // products.
             assert!(got.advance.iterations > 0);
             assert!(got.effort.gradients >= u64::from(got.advance.iterations), "{method:?} {k}");
-            assert_eq!(got.effort.products, 0);
+            assert!(got.effort.products <= 20, "{method:?} {k}");
         }
     }
 }

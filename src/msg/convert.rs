@@ -60,8 +60,19 @@ impl From<&report::Report> for Report {
             increment: report.increment,
             disposition: report.disposition as u8,
             substeps: report.substeps,
-            text: report.text.clone(),
+            text: text(report),
         }
+    }
+}
+
+/// What there is to say, and how exact the wall forces are.
+fn text(report: &report::Report) -> String {
+    let Some(measures) = &report.measures else { return report.text.clone() };
+    let error = measures.wall_force_error;
+    let exact = format!("wall forces within {error:.1e} N of the exact equilibrium");
+    match report.text.as_str() {
+        "" => exact,
+        said => format!("{said}; {exact}"),
     }
 }
 

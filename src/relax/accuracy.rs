@@ -30,7 +30,8 @@ const GROWTH: f32 = 4.0;
 const MOST_SHIFTS: u32 = 20;
 
 /// Estimate of the largest error of the normal force on a wall \[N\], against the exact
-/// equilibrium of the branch that `state` is on; `here` is the outcome that led to it.
+/// equilibrium of the branch that `state` is on; `here` is the outcome that led to it. Infinite
+/// where the linearised balance says nothing.
 ///
 /// To be taken before the tangential loads are committed: they are those of the equilibrium.
 #[must_use]
@@ -46,14 +47,17 @@ pub fn wall_force_error(model: &Model, state: &State, work: &mut Workspace, here
     if largest == 0.0 {
         return rounding(model, state, sums);
     }
-    predict(model, work, largest);
+    if !predict(model, work, largest) {
+        return f64::INFINITY;
+    }
     let Change { force, stiffness } = change(model, state, work);
     let energy = (-work.slope(&work.balance)).max(0.0);
     PREDICTED * force + BOUND * (stiffness * energy).sqrt() + rounding(model, state, sums)
 }
 
-/// Solves for the step to the equilibrium, with a shift where the state is no minimum.
-fn predict(model: &Model, work: &mut Workspace, largest: f64) {
+/// Solves for the step to the equilibrium, with a shift where the state is no minimum; says whether
+/// there is one.
+fn predict(model: &Model, work: &mut Workspace, largest: f64) -> bool {
     work.shift.clear();
     work.shift.resize(model.len(), 0.0);
     work.assemble(model);
@@ -61,11 +65,12 @@ fn predict(model: &Model, work: &mut Workspace, largest: f64) {
     let first = (FIRST_SHIFT * bending.max(1e-9)) as f32;
     for _ in 0..MOST_SHIFTS {
         if work.solve(largest, FORCING, MOST_PRODUCTS) == Inner::Step {
-            return;
+            return true;
         }
         let next = (GROWTH * work.shift[0]).max(first);
         work.shift.fill(next);
     }
+    false
 }
 
 /// What the step does to the walls.

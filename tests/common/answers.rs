@@ -142,6 +142,7 @@ fn measures(stamp: Stamp, increment: u64, contacts: u32) -> Measures {
         stamp,
         increment,
         walls,
+        wall_force_error: 2.5e-9,
         state: Some(state),
         moduli: Some(moduli),
         network: Some(network),
