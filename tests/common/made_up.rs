@@ -70,6 +70,7 @@ impl MadeUpTwin {
                 force: from_fn(|_| from_fn(|_| n.next())),
                 moment: from_fn(|_| from_fn(|_| n.next())),
             },
+            wall_force_error: 1e-9,
             state: demand.state.then(|| PackState {
                 strain: from_fn(|_| n.next()),
                 natural_strain: from_fn(|_| n.next()),
