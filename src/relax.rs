@@ -138,6 +138,9 @@ pub struct Workspace {
     shift: Vec<f32>,
     /// First shift of each grain, and the one below which it is dropped, shape (n).
     first_shift: Vec<f32>,
+    /// What each grain's cap is multiplied by, shape (n); with friction it grows with each whole
+    /// step that was capped. Negative while the present step is.
+    stride: Vec<f32>,
     /// Contacts of each grain, shape (n), those that stick twice; for packs with weight or friction.
     support: Vec<u32>,
     /// The present step \[m\], shape (n), and its rotations times radius \[m\], shape (n) or empty.
@@ -172,6 +175,7 @@ impl Workspace {
             step_cap: if model.friction.is_some() { FRICTIONAL_CAP } else { 1.0 },
             shift: vec![0.0; model.len()],
             first_shift: Vec::with_capacity(model.len()),
+            stride: Vec::with_capacity(model.len()),
             support: Vec::new(),
             step: Vec::with_capacity(model.len()),
             turn: Vec::new(),
@@ -215,6 +219,7 @@ impl Workspace {
             + self.inertia.heap_bytes()
             + single
             + heap::bytes(&self.support)
+            + heap::bytes(&self.stride)
             + vectors.into_iter().map(heap::bytes).sum::<usize>()
     }
 

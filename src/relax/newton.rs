@@ -24,6 +24,8 @@ const RELIEF: f32 = 4.0;
 const HELD: f32 = 1000.0;
 /// Reduction of the residual of the step that takes contacts to stick.
 const PREDICTION: f64 = 0.1;
+/// Longest that the cap of a grain becomes which goes on in capped steps, over the cap.
+const LONGEST_STRIDE: f32 = 64.0;
 /// Shifts tried in one step.
 const MOST_SHIFTS: u32 = 60;
 /// Most that one linear solve may take.
@@ -54,6 +56,8 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
     let mut extra = 0;
     work.shift.clear();
     work.shift.resize(model.len(), 0.0);
+    work.stride.clear();
+    work.stride.resize(model.len(), 1.0);
     let mut shifted = false;
     let mut in_a_row = 0;
     let mut settled = false;
@@ -180,8 +184,10 @@ fn step(
         let mut held_back = false;
         for i in 0..model.len() {
             let turn = work.turn.get(i).map_or(0.0, Vec3::norm);
+            let cap = cap * f64::from(work.stride[i].abs());
             if work.step[i].norm().max(turn) > cap {
                 work.shift[i] = (4.0 * work.shift[i]).max(held(work, i, cap));
+                work.stride[i] = -work.stride[i].abs();
                 held_back = true;
             }
         }
@@ -195,6 +201,12 @@ fn step(
             }
             continue;
         };
+        for stride in work.stride.iter_mut().filter(|stride| **stride != 1.0) {
+            *stride = match *stride < 0.0 && whole && work.reference.active {
+                true => (-2.0 * *stride).min(LONGEST_STRIDE),
+                false => 1.0,
+            };
+        }
         for (shift, first) in work.shift.iter_mut().zip(&work.first_shift) {
             *shift = match () {
                 () if !whole => *shift,
