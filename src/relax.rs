@@ -9,6 +9,7 @@ pub mod advance;
 pub mod balance;
 pub mod coupled;
 pub mod fire;
+pub mod flow;
 pub mod linear;
 pub mod newton;
 pub mod rattlers;
@@ -127,6 +128,9 @@ pub struct Workspace {
     /// The present step \[m\], shape (n), and its rotations times radius \[m\], shape (n) or empty.
     step: Vec<Vec3>,
     turn: Vec<Vec3>,
+    /// The first stage of a step of the flow, as `step` and `turn`.
+    first_step: Vec<Vec3>,
+    first_turn: Vec<Vec3>,
     trial: Vec<Vec3>,
     trial_rotation: Vec<Vec3>,
     /// Velocities of an inertial descent, of the grains and then of their rotations.
@@ -136,6 +140,13 @@ pub struct Workspace {
     memory: Memory,
     rattlers: Rattlers,
     negligible_force: f64,
+    pub watch: [u32; 3],
+    pub strict: u32,
+    pub flow_steps: u32,
+    pub share: f64,
+    pub flow_error: f64,
+    pub relative: f64,
+    pub forcing: (f64, f64),
 }
 
 impl Workspace {
@@ -157,6 +168,8 @@ impl Workspace {
             support: Vec::new(),
             step: Vec::with_capacity(model.len()),
             turn: Vec::new(),
+            first_step: Vec::new(),
+            first_turn: Vec::new(),
             trial: Vec::with_capacity(model.len()),
             trial_rotation: Vec::new(),
             velocity: Vec::with_capacity(model.len()),
@@ -164,6 +177,7 @@ impl Workspace {
             memory: Memory::default(),
             rattlers: Rattlers::default(),
             negligible_force: model.negligible_force(),
+            watch: [0; 3], strict: 3, flow_steps: 0, share: 0.1, flow_error: 0.05, relative: 1.0, forcing: (0.1, 0.2),
         }
     }
 
@@ -231,12 +245,23 @@ impl Workspace {
 
     /// Solves for the step, with the shifts as they are; `largest` \[N\] scales it.
     fn solve(&mut self, largest: f64, forcing: f64, most: u32) -> Inner {
+        match self.reference.active {
+            false => self.linear.factorise(&self.shift),
+            true => self.coupled.factorise(&self.shift),
+        }
+        let balance = std::mem::take(&mut self.balance);
+        let inner = self.solve_again(&balance, largest, forcing, most);
+        self.balance = balance;
+        inner
+    }
+
+    /// Solves with the last linearisation and shifts for the gradient of another balance.
+    fn solve_again(&mut self, balance: &Balance, largest: f64, forcing: f64, most: u32) -> Inner {
+        let Self { linear, coupled, step, turn, .. } = self;
         let unit = largest / self.reference_stiffness;
-        let Self { balance, linear, coupled, step, turn, .. } = self;
         step.clear();
         turn.clear();
         if self.reference.active {
-            coupled.factorise(&self.shift);
             let inner = coupled.solve(&balance.gradient, &balance.moment, largest, forcing, most);
             for i in 0..balance.gradient.len() {
                 let [u, w] = coupled.step(i, unit);
@@ -245,10 +270,39 @@ impl Workspace {
             }
             return inner;
         }
-        linear.factorise(&self.shift);
         let inner = linear.solve(&balance.gradient, largest, forcing, most);
         step.extend((0..balance.gradient.len()).map(|i| linear.step(i, unit)));
         inner
+    }
+
+    /// Takes the balance of `state` moved by `factor` times the step into `trial_balance`.
+    fn try_step(&mut self, model: &Model, state: &State, bounds: &Bounds, factor: f64) {
+        self.trial.clear();
+        self.trial
+            .extend(state.position.iter().zip(&self.step).map(|(at, step)| at + step * factor));
+        self.trial_rotation.clear();
+        self.trial_rotation.extend(
+            (state.rotation.iter().zip(&self.turn).zip(&model.radius))
+                .map(|((at, turn), radius)| at + turn * (factor / radius)),
+        );
+        self.neighbours.refresh(model, &self.trial, bounds);
+        self.trial_balance.evaluate(&Configuration {
+            model,
+            neighbours: &self.neighbours,
+            position: &self.trial,
+            rotation: &self.trial_rotation,
+            reference: &self.reference,
+            carries: &state.carries,
+            bounds,
+            reference_stiffness: self.reference_stiffness,
+        });
+    }
+
+    /// Makes the configuration that was tried last the one of `state`.
+    fn accept(&mut self, state: &mut State) {
+        std::mem::swap(&mut state.position, &mut self.trial);
+        std::mem::swap(&mut state.rotation, &mut self.trial_rotation);
+        std::mem::swap(&mut self.balance, &mut self.trial_balance);
     }
 
     /// Change of the potential of `balance` along the step \[J\].
@@ -262,6 +316,36 @@ impl Workspace {
 
 /// Relaxes `state` at its walls. On a status that is no equilibrium the state is not to be used.
 pub fn relax(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
+    if work.strict == 0 {
+        return old(model, state, work);
+    }
+    let mut from = (state.position.clone(), state.rotation.clone());
+    let mut outcome = newton(model, state, work);
+    let mut flow = flow::Flow::new();
+    let mut share = work.share;
+    while outcome.status == Status::Unstable {
+        state.position.clone_from(&from.0);
+        state.rotation.clone_from(&from.1);
+        if outcome.descents > 20 { break; }
+        if !model.has_gravity() { state.carries.fill(true); }
+        let before = flow.steps;
+        let status = flow.follow(model, state, work, share, 2000);
+        work.flow_steps += flow.steps - before;
+        share *= 0.3;
+        if !status.is_equilibrium() {
+            outcome.status = status;
+            break;
+        }
+        from = (state.position.clone(), state.rotation.clone());
+        let (iterations, descents) = (outcome.iterations, outcome.descents);
+        outcome = newton(model, state, work);
+        outcome.iterations += iterations;
+        outcome.descents += descents + 1;
+    }
+    outcome
+}
+
+fn old(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
     let mut outcome = newton(model, state, work);
     for residual in DESCENTS {
         if outcome.status != Status::Unstable && outcome.status != Status::Stalled {

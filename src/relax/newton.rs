@@ -2,7 +2,7 @@
 
 use crate::Vec3;
 use crate::model::Model;
-use crate::relax::balance::{Balance, Configuration};
+use crate::relax::balance::Balance;
 use crate::relax::linear::Inner;
 use crate::relax::{Status, Workspace, rattlers};
 use crate::scene::Law;
@@ -85,6 +85,7 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
         let forcing = (0.3 * tolerance / residual).clamp(0.1, 0.5);
         match step(model, state, work, &bounds, forcing, largest) {
             Some(used) => shifted = used,
+            None if work.strict != 0 && residual > 1e-10 => return end(Status::Unstable),
             // Rounding leaves nothing to descend: looking once more found no other minimum.
             None if residual <= tolerance => return end(Status::Converged),
             None => return end(Status::Stalled),
@@ -133,6 +134,8 @@ fn step(
     for _ in 0..MOST_SHIFTS {
         let inner = work.solve(largest, forcing, MOST_PRODUCTS);
         if inner == Inner::NegativeCurvature {
+            work.watch[0] += 1;
+            if work.strict & 1 != 0 { return None; }
             let concave = |i: usize| work.reference.active && work.coupled.curvature(i) < 0.0;
             let some = (0..model.len()).any(concave);
             for i in (0..model.len()).filter(|&i| !some || concave(i)) {
@@ -149,10 +152,13 @@ fn step(
             }
         }
         if held_back {
+            work.watch[1] += 1;
+            if work.strict & 2 != 0 { return None; }
             continue;
         }
         let shifted = work.shift.iter().any(|&shift| shift > 0.0);
         let Some(whole) = search(model, state, work, bounds) else {
+            work.watch[2] += 1;
             for (shift, first) in work.shift.iter_mut().zip(&work.first_shift) {
                 *shift = (4.0 * *shift).max(*first);
             }
@@ -195,25 +201,7 @@ fn search(model: &Model, state: &mut State, work: &mut Workspace, bounds: &Bound
     };
     let mut factor = 1.0;
     for _ in 0..=HALVINGS {
-        work.trial.clear();
-        work.trial
-            .extend(state.position.iter().zip(&work.step).map(|(at, step)| at + step * factor));
-        work.trial_rotation.clear();
-        work.trial_rotation.extend(
-            (state.rotation.iter().zip(&work.turn).zip(&model.radius))
-                .map(|((at, turn), radius)| at + turn * (factor / radius)),
-        );
-        work.neighbours.refresh(model, &work.trial, bounds);
-        work.trial_balance.evaluate(&Configuration {
-            model,
-            neighbours: &work.neighbours,
-            position: &work.trial,
-            rotation: &work.trial_rotation,
-            reference: &work.reference,
-            carries: &state.carries,
-            bounds,
-            reference_stiffness: work.reference_stiffness,
-        });
+        work.try_step(model, state, bounds, factor);
         let after = &work.trial_balance;
         let change = after.potential() - before;
         let size = before.abs().max(after.potential().abs());
@@ -227,9 +215,7 @@ fn search(model: &Model, state: &mut State, work: &mut Workspace, bounds: &Bound
                     && (slope * (1.0 + FLAT)..0.0).contains(&work.slope(after)))
                 || (change.abs() <= 1e-13 * size && self::square(after) < square));
         if accepted {
-            std::mem::swap(&mut state.position, &mut work.trial);
-            std::mem::swap(&mut state.rotation, &mut work.trial_rotation);
-            std::mem::swap(&mut work.balance, &mut work.trial_balance);
+            work.accept(state);
             return Some(factor == 1.0);
         }
         factor *= 0.5;
