@@ -27,7 +27,7 @@ fn main() {
         let mut work = Workspace::new(&model);
         work.strict = strict; work.share = share; work.flow_error = err;
         let get = |k: &str, d: f64| std::env::var(k).map_or(d, |v| v.parse().unwrap());
-        work.relative = get("REL", 0.75); work.forcing = (get("F1", 0.1), get("F2", 0.2));
+        work.relative = get("REL", 0.5); work.proj = get("PROJ", 1.0); work.least = get("LEAST", 1.5); work.after = get("AFTER", 0.7); work.forcing = (get("F1", 0.1), get("F2", 0.2));
         work.start(&model, &state);
         let mut outcome = relax(&model, &mut state, &mut work);
         work.commit(&model, &mut state);

@@ -2,14 +2,15 @@
 //!
 //! [`advance`](advance::advance) moves the walls in sub-increments and calls [`relax`] after each.
 //! That leaves out the grains that cannot carry load ([`rattlers`]), minimises the energy of the
-//! others by [`newton`], and where that runs into an instability follows the grains downhill
-//! ([`fire`]) and begins again.
+//! others by [`newton`], and where that runs into an instability follows the grains downhill as
+//! overdamped motion would take them ([`flow`]) and notes who jumped ([`jump`]).
 
 pub mod advance;
 pub mod balance;
 pub mod coupled;
 pub mod fire;
 pub mod flow;
+pub mod jump;
 pub mod linear;
 pub mod newton;
 pub mod rattlers;
@@ -25,6 +26,8 @@ use crate::state::{Memory, State};
 use crate::wall::Bounds;
 use balance::{Balance, Configuration, Sums};
 use coupled::Coupled;
+use flow::Flow;
+use jump::{Jump, Pose, Watch};
 use linear::{Inner, Linear};
 use rattlers::Rattlers;
 use tangential::{Changes, Reference};
@@ -36,11 +39,10 @@ const ROUNDS: u32 = 40;
 /// others.
 const FRICTIONAL_CAP: f64 = 0.1;
 
-/// Residuals of the descents from an unstable configuration, one after the other.
-const DESCENTS: [f64; 5] = [1e-3, 3e-4, 1e-4, 1e-5, 1e-6];
-/// Steps of a descent, without friction and with it: not every law of friction has a potential,
-/// and where there is none a descent may go round in circles.
-const MOST_DESCENT: [u32; 2] = [100_000, 3000];
+/// Legs of the flow, each until the drag takes less of the unbalanced force than before.
+const LEGS: u32 = 10;
+/// Share of the unbalanced force that the drag takes at the end of the first leg.
+const DRAG: f64 = 0.1;
 
 /// How a relaxation ended. All but the first two leave no state to trust.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,7 +78,7 @@ pub struct Outcome {
     pub residual: f64,
     /// Newton steps.
     pub iterations: u32,
-    /// Inertial descents, each from a configuration that was unstable.
+    /// Legs of the flow from a configuration that was unstable.
     pub descents: u32,
     /// Sums at the end.
     pub sums: Sums,
@@ -117,6 +119,11 @@ pub struct Workspace {
     pub coupled: Coupled,
     /// Stiffness that single precision is scaled by \[N/m\].
     pub reference_stiffness: f64,
+    /// Whether an instability is followed the way overdamped motion goes. If not, any minimum
+    /// nearby will do.
+    pub follows: bool,
+    /// Instabilities followed since the list was last emptied.
+    pub jumps: Vec<Jump>,
     /// Newton steps longer than this many mean overlaps are shortened by a shift of the Hessian.
     pub step_cap: f64,
     /// Shift of each grain's block, shape (n).
@@ -133,6 +140,10 @@ pub struct Workspace {
     first_turn: Vec<Vec3>,
     trial: Vec<Vec3>,
     trial_rotation: Vec<Vec3>,
+    /// Where the present search began.
+    origin: Pose,
+    /// Whether the present search met negative curvature.
+    concave: bool,
     /// Velocities of an inertial descent, of the grains and then of their rotations.
     velocity: Vec<Vec3>,
     trial_balance: Balance,
@@ -140,13 +151,6 @@ pub struct Workspace {
     memory: Memory,
     rattlers: Rattlers,
     negligible_force: f64,
-    pub watch: [u32; 3],
-    pub strict: u32,
-    pub flow_steps: u32,
-    pub share: f64,
-    pub flow_error: f64,
-    pub relative: f64,
-    pub forcing: (f64, f64),
 }
 
 impl Workspace {
@@ -163,6 +167,8 @@ impl Workspace {
             coupled: Coupled::default(),
             reference_stiffness: hertz::stiffness(modulus, 1e-2 * model.mean_radius),
             step_cap: if model.friction.is_some() { FRICTIONAL_CAP } else { 1.0 },
+            follows: true,
+            jumps: Vec::new(),
             shift: Vec::with_capacity(model.len()),
             first_shift: Vec::with_capacity(model.len()),
             support: Vec::new(),
@@ -172,12 +178,13 @@ impl Workspace {
             first_turn: Vec::new(),
             trial: Vec::with_capacity(model.len()),
             trial_rotation: Vec::new(),
+            origin: Pose::default(),
+            concave: false,
             velocity: Vec::with_capacity(model.len()),
             trial_balance: Balance::default(),
             memory: Memory::default(),
             rattlers: Rattlers::default(),
             negligible_force: model.negligible_force(),
-            watch: [0; 3], strict: 3, flow_steps: 0, share: 0.1, flow_error: 0.05, relative: 1.0, forcing: (0.1, 0.2),
         }
     }
 
@@ -315,49 +322,41 @@ impl Workspace {
 }
 
 /// Relaxes `state` at its walls. On a status that is no equilibrium the state is not to be used.
+///
+/// Where Newton's method runs into an instability the pack goes back to where it was and is
+/// followed downhill as overdamped motion would take it, until Newton's method ends in the basin
+/// that this leads to. A pack that jumped on the way is noted in `work.jumps`.
 pub fn relax(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
-    if work.strict == 0 {
-        return old(model, state, work);
-    }
-    let mut from = (state.position.clone(), state.rotation.clone());
+    work.origin.copy(state);
     let mut outcome = newton(model, state, work);
-    let mut flow = flow::Flow::new();
-    let mut share = work.share;
-    while outcome.status == Status::Unstable {
-        state.position.clone_from(&from.0);
-        state.rotation.clone_from(&from.1);
-        if outcome.descents > 20 { break; }
-        if !model.has_gravity() { state.carries.fill(true); }
-        let before = flow.steps;
-        let status = flow.follow(model, state, work, share, 2000);
-        work.flow_steps += flow.steps - before;
-        share *= 0.3;
+    if !matches!(outcome.status, Status::Unstable | Status::Stalled) {
+        return outcome;
+    }
+    let mut flow = Flow::new();
+    let mut watch = Watch::default();
+    let mut share = DRAG;
+    for leg in 1..=LEGS {
+        work.origin.restore(state);
+        if !model.has_gravity() {
+            // Those that float may come in the way. Under their weight they would fall for ever.
+            state.carries.fill(true);
+        }
+        let status = flow.follow(model, state, work, &mut watch, share);
         if !status.is_equilibrium() {
-            outcome.status = status;
-            break;
+            return Outcome { status, ..outcome };
         }
-        from = (state.position.clone(), state.rotation.clone());
-        let (iterations, descents) = (outcome.iterations, outcome.descents);
+        share *= 0.3;
+        work.origin.copy(state);
+        let iterations = outcome.iterations;
         outcome = newton(model, state, work);
         outcome.iterations += iterations;
-        outcome.descents += descents + 1;
+        outcome.descents = leg;
+        if !matches!(outcome.status, Status::Unstable | Status::Stalled) {
+            break;
+        }
     }
-    outcome
-}
-
-fn old(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
-    let mut outcome = newton(model, state, work);
-    for residual in DESCENTS {
-        if outcome.status != Status::Unstable && outcome.status != Status::Stalled {
-            break;
-        }
-        let steps = MOST_DESCENT[usize::from(work.reference.active)];
-        let goal = fire::Goal { residual, pressure: None, steps };
-        fire::descend(model, state, work, goal);
-        let (iterations, descents) = (outcome.iterations, outcome.descents);
-        outcome = newton(model, state, work);
-        outcome.iterations += iterations;
-        outcome.descents += descents + 1;
+    if outcome.status.is_equilibrium() {
+        work.jumps.extend(watch.jump(model, state, &work.balance.sums));
     }
     outcome
 }
@@ -365,6 +364,7 @@ fn old(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
 /// Relaxes by Newton's method alone.
 fn newton(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
     let (mut iterations, mut round) = (0, 0);
+    work.concave = false;
     rattlers::find(model, state, work);
     loop {
         let solved = newton::solve(model, state, work);

@@ -80,7 +80,7 @@ fn main() {
             for strict in [0, 1] {
                 let mut end = start.clone();
                 work.strict = strict; work.watch = [0; 3]; work.flow_steps = 0;
-                work.flow_error = get("ERR", 0.05); work.forcing = (get("F1", 0.1), get("F2", 0.2)); work.relative = get("REL", 0.75); work.share = get("SHARE", 0.1);
+                work.flow_error = get("ERR", 0.05); work.forcing = (get("F1", 0.1), get("F2", 0.2)); work.relative = get("REL", 0.5); work.proj = get("PROJ", 1.0); work.least = get("LEAST", 1.5); work.after = get("AFTER", 0.7); work.share = get("SHARE", 0.1);
                 let p = work.effort().products;
                 let out = relax(&model, &mut end, &mut work);
                 let p = work.effort().products - p;

@@ -1,58 +1,66 @@
 //! The overdamped descent dx/dt = -M grad Π with one mobility M for every grain, rotations times
 //! radius alike: the way that a specimen in a viscous fluid would go from an unstable
-//! configuration, and so the definition of where an instability ends.
+//! configuration, and so what tells where an instability ends.
 //!
-//! The flow is stiff: contacts relax thousands of times faster than the pack rearranges. It is
-//! integrated by a two-stage Rosenbrock method that stays of second order with the approximate
-//! Hessian of the solver (Verwer et al., SIAM J. Sci. Comput. 20, 1456, 1999: ROS2), whose first
-//! stage is embedded and tells the error. Both stages solve (H + σ) s = b with σ = 1/(γ Δt).
-//! Towards the minimum Δt grows without bound and the step becomes Newton's.
-
-use std::f64::consts::FRAC_1_SQRT_2;
+//! The flow is stiff: contacts relax thousands of times faster than the pack rearranges. A step is
+//! linearly implicit, (H + σ) s = -g with σ = 1/(M Δt), and one more solve with the same matrix
+//! for what the step left unbalanced takes it to the implicit Euler step and tells how far the
+//! linearisation was off: that decides Δt. When the flow goes the way of a growing mode, σ stays
+//! above its curvature. Towards a minimum Δt grows without bound and the step becomes Newton's.
 
 use crate::Vec3;
 use crate::model::Model;
+use crate::relax::jump::Watch;
 use crate::relax::linear::Inner;
 use crate::relax::{Status, Workspace};
 use crate::state::State;
 
-/// γ of ROS2: L-stable, and the first stage stops short of Newton's step instead of passing it.
-const GAMMA: f64 = 1.0 + FRAC_1_SQRT_2;
-/// Error of a step over the mean overlap.
-const ERROR: f64 = 0.05;
+/// Largest correction of a grain's step, but for the part along the flow, over the mean overlap.
+const ERROR: f64 = 0.2;
+/// Largest correction of the whole step over the step.
+const SHARE: f64 = 0.5;
 /// First σ over the reference stiffness.
 const FIRST_SHIFT: f64 = 0.1;
-/// Largest σ over the reference stiffness: steps far below what the stiffest contact needs.
-const LARGEST_SHIFT: f64 = 1e4;
-/// What σ may be multiplied by after a step.
+/// Largest σ over the reference stiffness: the flow would hardly move.
+const LARGEST_SHIFT: f64 = 1e6;
+/// What σ may be multiplied by after a step, and at least after one that was refused before.
 const CHANGE: (f64, f64) = (0.1, 5.0);
-/// What σ is multiplied by where the curvature is below -σ.
+const AFTER_REFUSAL: f64 = 0.7;
+/// What σ is multiplied by where the matrix has a direction of negative curvature.
 const STIFFEN: f64 = 3.0;
-/// Accuracy of the linear solves.
-const FORCING: f64 = 0.05;
+/// Least σ over the negative curvature along the step, and the one that is taken instead: the
+/// step along a growing mode is 1/(1 - 1/ratio) times that of the explicit method.
+const ABOVE: (f64, f64) = (1.5, 1.7);
+/// Share of the right-hand side that the solves for the step and for its correction leave.
+const FORCING: (f64, f64) = (0.1, 0.5);
 /// Most products of one linear solve.
 const MOST_PRODUCTS: u32 = 1000;
+/// Most steps, the refused ones included.
+const MOST_STEPS: u32 = 1500;
 
 /// Where the flow is, between two legs.
 #[derive(Clone, Copy, Debug)]
 pub struct Flow {
     /// σ over the reference stiffness.
     shift: f64,
-    /// Steps taken, the refused ones included.
-    pub steps: u32,
-    /// Whether a direction of negative curvature was met.
-    pub concave: bool,
+    /// Steps, the refused ones included.
+    steps: u32,
+    /// Whether the last step was refused.
+    refused: bool,
 }
+
+/// A step that was too long, and the σ over the reference stiffness to try instead.
+struct Refused(f64);
 
 impl Flow {
     /// Before the first step.
     #[must_use]
     pub fn new() -> Self {
-        Self { shift: FIRST_SHIFT, steps: 0, concave: false }
+        Self { shift: FIRST_SHIFT, steps: 0, refused: false }
     }
 
-    /// Follows the flow from `state` until a step leaves less than `share` of the unbalanced
-    /// force to the drag, in `most` steps in all: then Newton's method goes on from there.
+    /// Follows the flow from `state` until the drag takes less than `share` of the unbalanced
+    /// force: from there Newton's method goes on. `watch` sees each configuration.
     ///
     /// Returns `Converged` there, `Unjammed`, `MaxIterations` or `NonFinite`.
     pub fn follow(
@@ -60,12 +68,13 @@ impl Flow {
         model: &Model,
         state: &mut State,
         work: &mut Workspace,
+        watch: &mut Watch,
         share: f64,
-        most: u32,
     ) -> Status {
         let bounds = state.bounds(model);
         work.evaluate(model, state, &bounds);
         loop {
+            watch.see(state, &work.balance);
             let sums = work.balance.sums;
             let largest = work.balance.largest();
             if !(largest.is_finite() && sums.energy.is_finite()) {
@@ -79,12 +88,13 @@ impl Flow {
             }
             work.assemble(model);
             let drag = loop {
-                if self.steps >= most || self.shift > LARGEST_SHIFT {
+                if self.steps >= MOST_STEPS || self.shift > LARGEST_SHIFT {
                     return Status::MaxIterations;
                 }
                 self.steps += 1;
-                if let Some(drag) = self.step(model, state, work, largest) {
-                    break drag;
+                match self.step(model, state, work, largest) {
+                    Ok(drag) => break drag,
+                    Err(Refused(shift)) => (self.shift, self.refused) = (shift, true),
                 }
             };
             if drag <= share {
@@ -93,95 +103,92 @@ impl Flow {
         }
     }
 
-    /// Tries one step; says what share of the unbalanced force the drag took, `None` when the
-    /// step was too long and a shorter one is to be tried.
+    /// Tries one step; says what share of the unbalanced force the drag took.
     fn step(
         &mut self,
         model: &Model,
         state: &mut State,
         work: &mut Workspace,
         largest: f64,
-    ) -> Option<f64> {
+    ) -> Result<f64, Refused> {
         let bounds = state.bounds(model);
         let sigma = self.shift * work.reference_stiffness;
         work.shift.clear();
         work.shift.resize(model.len(), self.shift as f32);
-        // First stage: s1 = γ Δt k1, and the point x + Δt k1.
-        if work.solve(largest, work.forcing.0, MOST_PRODUCTS) == Inner::NegativeCurvature {
-            self.concave = true;
-            self.shift *= STIFFEN;
-            return None;
+        if work.solve(largest, FORCING.0, MOST_PRODUCTS) == Inner::NegativeCurvature {
+            return Err(Refused(STIFFEN * self.shift));
         }
-        let drag = sigma * norm(&work.step, &work.turn)
-            / norm(&work.balance.gradient, &work.balance.moment);
-        work.try_step(model, state, &bounds, 1.0 / GAMMA);
-        // Second stage, F(x + Δt k1) - 2 k1 on the right with k1 = σ s1, solved for d = s1 + s2.
-        let Workspace { balance, trial_balance, step, turn, .. } = &mut *work;
-        for ((to, g), s) in trial_balance.gradient.iter_mut().zip(&balance.gradient).zip(step) {
-            *to += g + *s * (2.0 * sigma);
+        let square = square(&work.step, &work.turn);
+        // s·Hs = -s·g - σ s·s
+        let along = -work.slope(&work.balance) / square - sigma;
+        let negative = (-along / work.reference_stiffness).max(0.0);
+        if self.shift < ABOVE.0 * negative {
+            return Err(Refused(ABOVE.1 * negative));
         }
-        for ((to, g), s) in trial_balance.moment.iter_mut().zip(&balance.moment).zip(turn) {
-            *to += g + *s * (2.0 * sigma);
+        let drag = sigma * (square / self::square(&work.balance.gradient, &work.balance.moment)).sqrt();
+        work.try_step(model, state, &bounds, 1.0);
+        if correct(work, sigma) == Inner::NegativeCurvature {
+            return Err(Refused(STIFFEN * self.shift));
         }
-        let unit = work.trial_balance.largest();
-        std::mem::swap(&mut work.first_step, &mut work.step);
-        std::mem::swap(&mut work.first_turn, &mut work.turn);
-        let right = std::mem::take(&mut work.trial_balance);
-        let inner = work.solve_again(&right, unit, work.forcing.1, MOST_PRODUCTS);
-        work.trial_balance = right;
-        if inner == Inner::NegativeCurvature {
-            self.concave = true;
-            self.shift *= STIFFEN;
-            return None;
-        }
-        // The error is d/2γ, the step (s1 + d/2)/γ. 
-        let Workspace { step, turn, first_step, first_turn, .. } = &mut *work;
-        let (mut along, mut square, mut dd) = (0.0, 0.0, 0.0);
-        for (d, s) in step.iter().zip(&*first_step).chain(turn.iter().zip(&*first_turn)) {
-            let whole = s + d * 0.5;
-            along += d.dot(&whole);
-            square += whole.norm_squared();
-            dd += d.norm_squared();
-        }
-        let along = along / square;
-        let (mut across, mut most) = (0.0_f64, 0.0_f64);
-        for (d, s) in step.iter_mut().zip(first_step).chain(turn.iter_mut().zip(first_turn)) {
-            let whole = *s + *d * 0.5;
-            most = most.max(d.norm_squared());
-            across = across.max((*d - whole * along).norm_squared());
-            *d = whole;
-        }
-        let overlap = match work.balance.sums.contacts {
-            0 => 0.1 * model.mean_radius,
-            _ => work.balance.sums.mean_overlap(),
-        };
-        let scale = 0.5 / GAMMA / (work.flow_error * overlap);
-        let relative = 0.5 * f64::sqrt(dd / square) / work.relative;
-        let mut error = scale * across.sqrt();
-        if relative > 1.0 { error = error.max(relative); }
-        if std::env::var("DBG").is_ok() {
-            let mut w = (0.0, 0);
-            for i in 0..model.len() { 
-                let  e = (work.step[i]).norm_squared();
-                if e > w.0 { w = (e, i); } }
-            eprintln!("{} sig {:.2e} res {:.2e} drag {:.2e} across {:.2e} all {:.2e} along {:.2e} grain {} {:.2e}", self.steps, self.shift, largest/work.balance.sums.mean_force(), drag, scale*across.sqrt(), scale*most.sqrt(), relative, w.1, (w.0 as f64).sqrt()/overlap);
-        }
+        let error = take_correction(model, work);
         if error.is_nan() {
-            self.shift *= STIFFEN;
-            return None;
+            return Err(Refused(STIFFEN * self.shift));
         }
         let change = (error.sqrt() / 0.9).clamp(CHANGE.0, CHANGE.1);
         if error > 1.0 {
-            self.shift *= change;
-            return None;
+            return Err(Refused(change * self.shift));
         }
-        work.try_step(model, state, &bounds, 1.0 / GAMMA);
+        work.try_step(model, state, &bounds, 1.0);
         work.accept(state);
-        self.shift *= change;
-        Some(drag)
+        let change = if self.refused { change.max(AFTER_REFUSAL) } else { change };
+        self.refused = false;
+        self.shift = (change * self.shift).max(ABOVE.1 * negative);
+        Ok(drag)
     }
 }
 
-fn norm(moves: &[Vec3], turns: &[Vec3]) -> f64 {
-    moves.iter().chain(turns).map(Vec3::norm_squared).sum::<f64>().sqrt()
+impl Default for Flow {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Solves for the correction of the step: what balances g + σ s at the trial configuration. The
+/// step goes to `first_step`, the correction to `step`.
+fn correct(work: &mut Workspace, sigma: f64) -> Inner {
+    let mut right = std::mem::take(&mut work.trial_balance);
+    let steps = work.step.iter().chain(&work.turn);
+    for (to, s) in right.gradient.iter_mut().chain(&mut right.moment).zip(steps) {
+        *to += s * sigma;
+    }
+    std::mem::swap(&mut work.first_step, &mut work.step);
+    std::mem::swap(&mut work.first_turn, &mut work.turn);
+    let inner = work.solve_again(&right, right.largest(), FORCING.1, MOST_PRODUCTS);
+    work.trial_balance = right;
+    inner
+}
+
+/// Adds the step to its correction, both in `step` then; says how large the correction was over
+/// what is allowed. Along the flow it only tells when the pack comes by, not where.
+fn take_correction(model: &Model, work: &mut Workspace) -> f64 {
+    let overlap = match work.balance.sums.contacts {
+        0 => 0.1 * model.mean_radius,
+        _ => work.balance.sums.mean_overlap(),
+    };
+    let Workspace { step, turn, first_step, first_turn, .. } = work;
+    let firsts = first_step.iter().chain(&*first_turn);
+    let along: f64 = step.iter().chain(&*turn).zip(firsts.clone()).map(|(d, s)| d.dot(s)).sum();
+    let length = square(first_step, first_turn);
+    let share = (square(step, turn) / length).sqrt() / SHARE;
+    let mut across = 0.0_f64;
+    for (d, s) in step.iter_mut().chain(turn).zip(firsts) {
+        across = across.max((*d - s * (along / length)).norm_squared());
+        *d += s;
+    }
+    let across = across.sqrt() / (ERROR * overlap);
+    if share <= 1.0 { across } else { across.max(share) }
+}
+
+fn square(moves: &[Vec3], turns: &[Vec3]) -> f64 {
+    moves.iter().chain(turns).map(Vec3::norm_squared).sum()
 }

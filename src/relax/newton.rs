@@ -14,6 +14,8 @@ const FIRST_SHIFT: f64 = 0.02;
 /// Shifted steps in a row after which the configuration counts as unstable, without friction and
 /// with it: a grain that hardly touches anything is then dragged along in steps of the cap.
 const MOST_SHIFTED: [u32; 2] = [40, 150];
+/// Once the energy was concave a grain may go this many mean overlaps from where it started.
+const LEAP: f64 = 1.0;
 /// Steps between two looks for grains that nothing holds.
 const PATIENCE: u32 = 20;
 /// What whole steps divide the shifts by, without friction and with it.
@@ -85,10 +87,13 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
         let forcing = (0.3 * tolerance / residual).clamp(0.1, 0.5);
         match step(model, state, work, &bounds, forcing, largest) {
             Some(used) => shifted = used,
-            None if work.strict != 0 && residual > 1e-10 => return end(Status::Unstable),
+            None if work.concave && work.follows => return end(Status::Unstable),
             // Rounding leaves nothing to descend: looking once more found no other minimum.
             None if residual <= tolerance => return end(Status::Converged),
             None => return end(Status::Stalled),
+        }
+        if work.concave && work.follows && leapt(model, state, work) {
+            return Solved { iterations, ..end(Status::Unstable) };
         }
         in_a_row = if shifted { in_a_row + 1 } else { 0 };
         if in_a_row > MOST_SHIFTED[usize::from(work.reference.active)] {
@@ -98,6 +103,14 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
             return Solved { iterations, ..end(Status::Unstable) };
         }
     }
+}
+
+/// Whether a grain that carries load is far from where it started: a shifted step goes downhill,
+/// but after many of them the pack may be in another basin than the flow leads to.
+fn leapt(model: &Model, state: &State, work: &Workspace) -> bool {
+    let far = (LEAP * work.balance.sums.mean_overlap()).powi(2);
+    let moved = |i: usize| (state.position[i] - work.origin.position[i]).norm_squared();
+    (0..model.len()).any(|i| state.carries[i] && moved(i) > far)
 }
 
 /// Largest unbalanced force over the mean contact force; weights count where nothing touches.
@@ -134,8 +147,10 @@ fn step(
     for _ in 0..MOST_SHIFTS {
         let inner = work.solve(largest, forcing, MOST_PRODUCTS);
         if inner == Inner::NegativeCurvature {
-            work.watch[0] += 1;
-            if work.strict & 1 != 0 { return None; }
+            work.concave = true;
+            if work.follows && work.reference.active {
+                return None;
+            }
             let concave = |i: usize| work.reference.active && work.coupled.curvature(i) < 0.0;
             let some = (0..model.len()).any(concave);
             for i in (0..model.len()).filter(|&i| !some || concave(i)) {
@@ -152,13 +167,10 @@ fn step(
             }
         }
         if held_back {
-            work.watch[1] += 1;
-            if work.strict & 2 != 0 { return None; }
             continue;
         }
         let shifted = work.shift.iter().any(|&shift| shift > 0.0);
         let Some(whole) = search(model, state, work, bounds) else {
-            work.watch[2] += 1;
             for (shift, first) in work.shift.iter_mut().zip(&work.first_shift) {
                 *shift = (4.0 * *shift).max(*first);
             }
