@@ -12,6 +12,11 @@ use crate::wall::Bounds;
 /// for each other.
 const STREAMS: usize = 4;
 
+/// Least grains of a part: what is gained on a second core must be more than the separators cost.
+const PART: usize = 5000;
+/// Most parts.
+const MOST_PARTS: usize = 8;
+
 /// Constants of a specimen. Arrays have one entry a grain, in the solver's order.
 #[derive(Clone, Debug)]
 pub struct Model {
@@ -186,7 +191,15 @@ pub fn sphere_volume(radius: f64) -> f64 {
     4.0 / 3.0 * std::f64::consts::PI * radius.powi(3)
 }
 
-/// Grains along a Morton curve through the box, cut into [`STREAMS`] and dealt in turn.
+/// Parts into which the order of `n` grains is cut, so that several threads can work on it.
+#[must_use]
+pub fn parts(n: usize) -> usize {
+    let most = (n / PART).clamp(1, MOST_PARTS);
+    1 << most.ilog2()
+}
+
+/// Grains along a Morton curve through the box, cut into [`parts`], each of them cut into
+/// [`STREAMS`] and dealt in turn.
 fn solver_order(pack: &Pack) -> Vec<u32> {
     let sides = pack.bounds.sides();
     let key = |g: &Grain| -> u64 {
@@ -198,11 +211,16 @@ fn solver_order(pack: &Pack) -> Vec<u32> {
     };
     let mut curve: Vec<u32> = (0..pack.grains.len() as u32).collect();
     curve.sort_by_key(|&g| (key(&pack.grains[g as usize]), g));
-    let length = curve.len().div_ceil(STREAMS);
-    (0..length)
-        .flat_map(|k| (0..STREAMS).map(move |stream| (stream * length + k, stream)))
-        .filter_map(|(k, stream)| curve.get(k).filter(|_| k < (stream + 1) * length).copied())
-        .collect()
+    let part = curve.len().div_ceil(parts(curve.len())).max(1);
+    let mut order = Vec::with_capacity(curve.len());
+    for curve in curve.chunks(part) {
+        let length = curve.len().div_ceil(STREAMS);
+        let dealt = (0..length).flat_map(|k| (0..STREAMS).map(move |s| (s * length + k, s)));
+        order.extend(
+            dealt.filter_map(|(k, s)| curve.get(k).filter(|_| k < (s + 1) * length).copied()),
+        );
+    }
+    order
 }
 
 /// Ten bits of `cell`, each followed by two zeros.

@@ -7,13 +7,16 @@
 
 pub mod advance;
 pub mod balance;
+mod block;
 pub mod coupled;
 pub mod fire;
 pub mod flow;
 pub mod jump;
+pub mod lanes;
 pub mod linear;
 pub mod newton;
 pub mod rattlers;
+mod split;
 mod sym3;
 mod sym6;
 pub mod tangential;

@@ -6,7 +6,7 @@ use crate::Vec3;
 use crate::contact::hertz;
 use crate::contact::neighbours::{Neighbours, wall_gap};
 use crate::model::Model;
-use crate::relax::tangential::{Reference, Traction};
+use crate::relax::tangential::{Pull, Reference, Traction};
 use crate::wall::{self, Bounds};
 
 /// Rows that are summed as one; the bits depend on it, the number of threads does not enter.
@@ -93,6 +93,8 @@ pub struct Balance {
     /// Force on `second` of each link, negated \[N\], in the places of `links`.
     pair_force: Vec<Vec3>,
     chunk_sums: Vec<Sums>,
+    /// Scratch of the tangential forces.
+    pub(super) pulls: Vec<Pull>,
 }
 
 /// What the balance is taken of.

@@ -21,13 +21,13 @@ pub(super) struct Pose {
 
 impl Pose {
     /// Takes that of `state`.
-    pub fn copy(&mut self, state: &State) {
+    pub(super) fn copy(&mut self, state: &State) {
         self.position.clone_from(&state.position);
         self.rotation.clone_from(&state.rotation);
     }
 
     /// Puts the grains of `state` here.
-    pub fn restore(&self, state: &mut State) {
+    pub(super) fn restore(&self, state: &mut State) {
         state.position.copy_from_slice(&self.position);
         state.rotation.copy_from_slice(&self.rotation);
     }
@@ -49,7 +49,6 @@ pub struct Jump {
 #[derive(Clone, Debug, Default)]
 pub struct Watch {
     position: Vec<Vec3>,
-    carries: Vec<bool>,
     virial: f64,
     least: f64,
     grown: bool,

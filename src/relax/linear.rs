@@ -4,20 +4,21 @@
 //! Cholesky factorisation that modifies only the diagonal blocks, Δ_i = D_i - Σ_j K_ij Δ_j⁻¹ K_ij
 //! over the earlier neighbours j. With Eisenstat's trick one backward and one forward sweep do
 //! both the product with H and the two triangular solves (SIAM J. Sci. Stat. Comput. 2, 1, 1981).
+//!
+//! The parts of a [`Split`] come first in the order of elimination and its separator last, so
+//! that the parts can be swept at the same time.
+
+mod part;
+
+use rayon::prelude::*;
 
 use crate::Vec3;
 use crate::contact::neighbours::Neighbours;
 use crate::relax::balance::{Balance, Link};
+use crate::relax::lanes::Four;
+use crate::relax::split::{Place, Split};
 use crate::relax::sym3::Sym3;
-
-/// A vector of three numbers, padded.
-type V = [f32; 4];
-
-/// Rows summed in single precision before they are added up in double.
-const LANE_ROWS: usize = 64;
-
-/// A pivot below this share of its row's mean diagonal is lifted to it.
-const SMALL_PIVOT: f32 = 0.02;
+use part::Part;
 
 /// How an inner solve ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,119 +32,116 @@ pub enum Inner {
 /// The linear system and the vectors of its solution.
 #[derive(Clone, Debug, Default)]
 pub struct Linear {
-    start: Vec<u32>,
-    links: Vec<Link>,
-    /// D without shift.
-    diagonal: Vec<Sym3>,
-    /// Δ⁻¹.
-    inverse: Vec<Sym3>,
-    /// Δ.
-    factor: Vec<Sym3>,
-    /// 2Δ - D.
-    excess: Vec<Sym3>,
-    /// The step, in units of `unit`.
-    step: Vec<V>,
-    residual: Vec<V>,
-    direction: Vec<V>,
-    t: Vec<V>,
-    w: Vec<V>,
+    split: Split,
+    parts: Vec<Part>,
+    separator: Part,
     /// Products with H so far.
     pub products: u64,
+}
+
+/// The contacts of `balance`: the first grain of each, and the rest.
+fn contacts<'a>(
+    balance: &'a Balance,
+    neighbours: &'a Neighbours,
+) -> impl Iterator<Item = (usize, &'a Link)> {
+    (0..balance.gradient.len()).flat_map(|i| {
+        let first = neighbours.row(i).start;
+        let row = &balance.links[first..first + balance.links_in_row[i] as usize];
+        row.iter().map(move |link| (i, link))
+    })
 }
 
 impl Linear {
     /// Takes the linearisation of `balance`; grains without contacts get a unit block.
     pub fn assemble(&mut self, balance: &Balance, neighbours: &Neighbours) {
         let rows = balance.gradient.len();
-        self.start.clear();
-        self.links.clear();
-        self.diagonal.clear();
-        self.diagonal.extend(balance.wall_stiffness.iter().map(|k| Sym3::diagonal(*k)));
-        for i in 0..rows {
-            self.start.push(self.links.len() as u32);
-            let first = neighbours.row(i).start;
-            let row = &balance.links[first..first + balance.links_in_row[i] as usize];
-            for link in row {
-                let block = Sym3::outer_minus(link.m, link.b);
-                self.diagonal[i].add(&block);
-                self.diagonal[link.second as usize].add(&block);
-            }
-            self.links.extend_from_slice(row);
+        let pairs = contacts(balance, neighbours).map(|(i, link)| (i as u32, link.second));
+        self.split.arrange(rows, pairs);
+        let parts = self.split.parts();
+        self.parts.resize_with(parts, Part::default);
+        for (k, part) in self.parts.iter_mut().chain([&mut self.separator]).enumerate() {
+            part.begin(self.split.rows(k), self.split.rows_with_separator(k));
         }
-        self.start.push(self.links.len() as u32);
-        for block in &mut self.diagonal {
-            if block.trace() == 0.0 {
-                *block = Sym3::diagonal([1.0; 3]);
+        for (i, &Place { part, row }) in self.split.places().iter().enumerate() {
+            let part = part_of(&mut self.parts, &mut self.separator, part as usize);
+            part.place(row as usize, i as u32, balance.wall_stiffness[i]);
+        }
+        if parts == 1 {
+            // The contacts are in order already.
+            let part = &mut self.parts[0];
+            for i in 0..rows {
+                let first = neighbours.row(i).start;
+                part.push_row(i, &balance.links[first..][..balance.links_in_row[i] as usize]);
+            }
+        } else {
+            for (i, link) in contacts(balance, neighbours) {
+                let meeting = self.split.meet(i, link.second);
+                part_of(&mut self.parts, &mut self.separator, meeting.part).count(meeting.row);
+            }
+            for part in self.parts.iter_mut().chain([&mut self.separator]) {
+                part.make_room();
+            }
+            for (i, link) in contacts(balance, neighbours) {
+                let meeting = self.split.meet(i, link.second);
+                let part = part_of(&mut self.parts, &mut self.separator, meeting.part);
+                part.insert(meeting.row, meeting.second, link);
             }
         }
-        for vector in
-            [&mut self.step, &mut self.residual, &mut self.direction, &mut self.t, &mut self.w]
-        {
-            vector.resize(rows, [0.0; 4]);
+        for part in &self.parts {
+            self.separator.add_diagonals(part);
+        }
+        for part in self.parts.iter_mut().chain([&mut self.separator]) {
+            part.fill_empty_rows();
         }
     }
 
     /// Factorises H + Σ, where Σ shifts the block of grain i by `shift[i]` in units of the
     /// reference stiffness.
     pub fn factorise(&mut self, shift: &[f32]) {
-        let rows = self.diagonal.len();
-        self.factor.clear();
-        self.factor.extend(self.diagonal.iter().zip(shift).map(|(d, s)| d.shifted(*s)));
-        self.inverse.resize(rows, Sym3::default());
-        self.excess.resize(rows, Sym3::default());
-        for (i, &shift) in shift.iter().enumerate() {
-            let diagonal = self.diagonal[i].shifted(shift);
-            let floor = SMALL_PIVOT * (diagonal.trace().abs() / 3.0).max(f32::MIN_POSITIVE);
-            let (factor, inverse) = self.factor[i].inverse_lifted(floor);
-            self.factor[i] = factor;
-            self.inverse[i] = inverse;
-            self.excess[i] = factor.twice_minus(&diagonal);
-            for link in &self.links[self.start[i] as usize..self.start[i + 1] as usize] {
-                self.factor[link.second as usize].subtract_product(link.m, link.b, &inverse);
-            }
+        for_each(&mut self.parts, |part| part.factorise(shift));
+        self.separator.begin_factor(shift);
+        for part in &self.parts {
+            self.separator.add_factors(part);
         }
+        self.separator.factorise_rows();
     }
 
     /// Solves (H + Σ) s = -g until the preconditioned residual fell by `forcing`.
     ///
     /// `unit` is the force that right-hand side and step are scaled by.
     pub fn solve(&mut self, gradient: &[Vec3], unit: f64, forcing: f64, most: u32) -> Inner {
-        for (to, g) in self.residual.iter_mut().zip(gradient) {
-            let r = g * (-1.0 / unit);
-            *to = [r.x as f32, r.y as f32, r.z as f32, 0.0];
-        }
-        self.forward();
-        self.step.fill([0.0; 4]);
-        let mut rho = 0.0;
-        for i in 0..self.residual.len() {
-            self.direction[i] = self.factor[i].times(&self.residual[i]);
-        }
-        rho += dot(&self.direction, &self.residual);
+        let Self { parts, separator, products, .. } = self;
+        separator.start(gradient, unit);
+        for_each(parts, |part| {
+            part.start(gradient, unit);
+            part.forward();
+        });
+        separator.gather(parts);
+        separator.forward();
+        let mut rho = descend(parts, separator, None);
         let target = rho * forcing * forcing;
+        let mut beta = 0.0;
         for _ in 0..most {
             if rho <= target || rho <= 0.0 {
                 break;
             }
-            self.multiply();
-            let curvature = dot(&self.direction, &self.w);
+            *products += 1;
+            separator.backward(beta);
+            let late = &separator.t;
+            for_each(parts, |part| {
+                part.take_separator(late);
+                part.backward(beta);
+                part.forward();
+            });
+            separator.gather(parts);
+            separator.forward();
+            let curvature = parts.iter().map(|part| part.dot).sum::<f64>() + separator.dot;
             if curvature <= 0.0 || curvature.is_nan() {
                 return Inner::NegativeCurvature;
             }
-            let alpha = (rho / curvature) as f32;
-            axpy(&mut self.step, alpha, &self.t);
-            axpy(&mut self.residual, -alpha, &self.w);
-            // z = Δ r is kept in w, which is free until the next product.
-            for i in 0..self.residual.len() {
-                self.w[i] = self.factor[i].times(&self.residual[i]);
-            }
-            let next = dot(&self.w, &self.residual);
-            let beta = (next / rho) as f32;
+            let next = descend(parts, separator, Some((rho / curvature) as f32));
+            beta = (next / rho) as f32;
             rho = next;
-            for (p, z) in self.direction.iter_mut().zip(&self.w) {
-                for axis in 0..4 {
-                    p[axis] = z[axis] + beta * p[axis];
-                }
-            }
         }
         Inner::Step
     }
@@ -152,75 +150,58 @@ impl Linear {
     /// reference stiffness.
     #[must_use]
     pub fn step(&self, i: usize, unit: f64) -> Vec3 {
-        let s = &self.step[i];
-        Vec3::new(f64::from(s[0]), f64::from(s[1]), f64::from(s[2])) * unit
-    }
-
-    /// residual ← (Δ + L)⁻¹ residual.
-    fn forward(&mut self) {
-        for i in 0..self.residual.len() {
-            let y = self.inverse[i].times(&self.residual[i]);
-            self.residual[i] = y;
-            for link in &self.links[self.start[i] as usize..self.start[i + 1] as usize] {
-                add_block(&mut self.residual[link.second as usize], link, &y);
-            }
-        }
-    }
-
-    /// t ← (Δ + Lᵀ)⁻¹ p and w ← (Δ + L)⁻¹ H (Δ + Lᵀ)⁻¹ p for the direction p.
-    fn multiply(&mut self) {
-        self.products += 1;
-        for i in (0..self.direction.len()).rev() {
-            let mut sum = self.direction[i];
-            for link in &self.links[self.start[i] as usize..self.start[i + 1] as usize] {
-                let t = self.t[link.second as usize];
-                add_block(&mut sum, link, &t);
-            }
-            let t = self.inverse[i].times(&sum);
-            self.t[i] = t;
-            let e = self.excess[i].times(&t);
-            let p = &self.direction[i];
-            self.w[i] = [p[0] - e[0], p[1] - e[1], p[2] - e[2], 0.0];
-        }
-        for i in 0..self.w.len() {
-            let y = self.inverse[i].times(&self.w[i]);
-            for link in &self.links[self.start[i] as usize..self.start[i + 1] as usize] {
-                add_block(&mut self.w[link.second as usize], link, &y);
-            }
-            let t = &self.t[i];
-            self.w[i] = [t[0] + y[0], t[1] + y[1], t[2] + y[2], 0.0];
-        }
+        let Place { part, row } = self.split.places()[i];
+        let part = self.parts.get(part as usize).unwrap_or(&self.separator);
+        let Four([x, y, z, _]) = part.step[row as usize];
+        Vec3::new(f64::from(x), f64::from(y), f64::from(z)) * unit
     }
 }
 
-/// to += K v; the blocks off the diagonal are -K, so this takes them to the right-hand side.
-#[inline(always)]
-fn add_block(to: &mut V, link: &Link, v: &V) {
-    let along = link.m[0] * v[0] + link.m[1] * v[1] + link.m[2] * v[2];
-    for axis in 0..3 {
-        to[axis] += link.m[axis] * along - link.b * v[axis];
+fn part_of<'a>(parts: &'a mut [Part], separator: &'a mut Part, k: usize) -> &'a mut Part {
+    parts.get_mut(k).unwrap_or(separator)
+}
+
+/// Goes `alpha` along the direction, or takes the first residual; returns r·z.
+fn descend(parts: &mut [Part], separator: &mut Part, alpha: Option<f32>) -> f64 {
+    separator.descend(alpha);
+    for_each(parts, |part| part.descend(alpha));
+    parts.iter().map(|part| part.dot).sum::<f64>() + separator.dot
+}
+
+/// Calls `work` with every part, in parallel where there are several.
+fn for_each(parts: &mut [Part], work: impl Fn(&mut Part) + Sync + Send) {
+    match parts {
+        [only] => work(only),
+        several => several.par_iter_mut().for_each(work),
     }
 }
 
-fn dot(a: &[V], b: &[V]) -> f64 {
-    a.chunks(LANE_ROWS)
-        .zip(b.chunks(LANE_ROWS))
-        .map(|(a, b)| {
-            let mut lanes = [0.0f32; 4];
-            for (a, b) in a.iter().zip(b) {
-                for axis in 0..4 {
-                    lanes[axis] += a[axis] * b[axis];
+/// Σ v over the rows of `from` that stand for the separator, added to `to`.
+fn add_late<T>(to: &mut [T], from: &[T], mut add: impl FnMut(&mut T, &T)) {
+    for (to, from) in to.iter_mut().zip(from) {
+        add(to, from);
+    }
+}
+
+impl Part {
+    /// Diagonal blocks that `part` has for this separator.
+    fn add_diagonals(&mut self, part: &Self) {
+        add_late(&mut self.diagonal, &part.diagonal[part.rows()..], Sym3::add);
+    }
+
+    /// What the factorisation of `part` leaves for this separator.
+    fn add_factors(&mut self, part: &Self) {
+        add_late(&mut self.factor, &part.factor[part.rows()..], Sym3::add);
+    }
+
+    /// What the forward sweeps of `parts` leave for this separator.
+    fn gather(&mut self, parts: &[Self]) {
+        for part in parts {
+            add_late(&mut self.w, &part.w[part.rows()..], |Four(to), Four(from)| {
+                for (to, from) in to.iter_mut().zip(from) {
+                    *to += from;
                 }
-            }
-            f64::from(lanes[0]) + f64::from(lanes[1]) + f64::from(lanes[2])
-        })
-        .sum()
-}
-
-fn axpy(to: &mut [V], factor: f32, v: &[V]) {
-    for (to, v) in to.iter_mut().zip(v) {
-        for axis in 0..4 {
-            to[axis] += factor * v[axis];
+            });
         }
     }
 }

@@ -219,7 +219,7 @@ pub fn release(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
         support[i] += balance.wall_stiffness[i].iter().filter(|&&k| k > 0.0).count() as u32;
     }
     for (held, traction) in reference.contacts.iter().zip(&balance.tractions) {
-        let holds = traction.live && !traction.shear.slides;
+        let holds = traction.live && !traction.slides;
         if holds && held.present_overlap(model, state) > 0.0 {
             support[held.first as usize] += 1;
             if let Other::Grain(j) = held.second {

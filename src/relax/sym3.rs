@@ -25,17 +25,6 @@ impl Sym3 {
         Self(std::array::from_fn(|k| self.0[k] - other.0[k]))
     }
 
-    /// self += s v vᵀ.
-    #[inline(always)]
-    pub(super) fn add_outer(&mut self, s: f32, v: [f32; 3]) {
-        let [x, y, z] = v;
-        let [sx, sy, sz] = [s * x, s * y, s * z];
-        let outer = [sx * x, sy * y, sz * z, sx * y, sx * z, sy * z];
-        for (entry, outer) in self.0.iter_mut().zip(outer) {
-            *entry += outer;
-        }
-    }
-
     /// A diagonal block.
     #[must_use]
     pub(super) fn diagonal(d: [f32; 3]) -> Self {

@@ -13,7 +13,6 @@ use rayon::prelude::*;
 
 use crate::Vec3;
 use crate::contact::Other;
-use crate::contact::coulomb::{self, Shear};
 use crate::contact::neighbours::{Neighbours, wall_gap};
 use crate::model::Model;
 use crate::pack::Layer;
@@ -25,28 +24,44 @@ pub use commit::Changes;
 pub use held::Held;
 use held::{Midway, Pair, Pose, wall_normal};
 
-/// Contacts that one task answers for; the bits do not depend on it.
-const CHUNK: usize = 512;
+/// Contacts that one task answers for, and that are answered for before their forces are added
+/// up; the bits do not depend on either.
+const CHUNK: usize = 256;
+const BATCH: usize = 2048;
 
-/// Answer of one contact in the current configuration.
+/// The linearised answer of one contact, in single precision.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Traction {
     /// Whether both bodies take part in the balance; if not, all else is zero.
     pub live: bool,
+    /// Whether the contact slides.
+    pub slides: bool,
     /// Unit normal towards grain i.
-    pub normal: Vec3,
+    pub normal: [f32; 3],
+    /// Unit vector of sliding, or zero.
+    pub direction: [f32; 3],
+    /// -dQ/du across `direction` \[N/m\].
+    pub across: f32,
+    /// What -dQ/du along `direction` is more than across \[N/m\].
+    pub sliding: f32,
     /// Distance of the contact from the centres of grain i and of the other \[m\] (T 3.3).
-    pub arm: [f64; 2],
-    /// Answer to the shear.
-    pub shear: Shear,
-    /// Answer to the torsion.
-    pub torsion: coulomb::Torsion,
+    pub arm: [f32; 2],
+    /// -dM_t/dΩ_t \[N m\].
+    pub torsion: f32,
 }
 
-impl Traction {
-    fn potential(&self) -> f64 {
-        self.shear.potential + self.torsion.potential
-    }
+/// What one contact does to the balance.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Pull {
+    /// Q on grain i \[N\].
+    force: Vec3,
+    /// n̂ × Q \[N\].
+    lever: Vec3,
+    /// Couple on grain i \[N m\].
+    couple: Vec3,
+    /// Of shear and torsion \[J\].
+    potential: f64,
+    arm: [f64; 2],
 }
 
 /// All contacts at the reference configuration; empty for a frictionless specimen.
@@ -139,42 +154,43 @@ impl Reference {
         let Configuration { model, position, rotation, bounds, .. } = *at;
         let pose = Pose { model, position, rotation, bounds };
         balance.tractions.resize(self.contacts.len(), Traction::default());
-        balance.tractions.par_chunks_mut(CHUNK).zip(self.contacts.par_chunks(CHUNK)).for_each(
-            |(tractions, contacts)| {
-                for (traction, held) in tractions.iter_mut().zip(contacts) {
+        balance.pulls.resize(BATCH, Pull::default());
+        balance.moment.clear();
+        balance.moment.resize(at.position.len(), Vec3::zeros());
+        balance.shear_potential = 0.0;
+        let Balance { tractions, pulls, gradient, moment, shear_potential, .. } = balance;
+        for (tractions, contacts) in tractions.chunks_mut(BATCH).zip(self.contacts.chunks(BATCH)) {
+            let pulls = &mut pulls[..contacts.len()];
+            let tasks = tractions.par_chunks_mut(CHUNK).zip(pulls.par_chunks_mut(CHUNK));
+            tasks.zip(contacts.par_chunks(CHUNK)).for_each(|((tractions, pulls), contacts)| {
+                for ((traction, pull), held) in tractions.iter_mut().zip(pulls).zip(contacts) {
                     let other = match held.second {
                         Other::Grain(j) => at.carries[j as usize],
                         Other::Wall(_) => true,
                     };
-                    *traction = match other && at.carries[held.first as usize] {
+                    (*traction, *pull) = match other && at.carries[held.first as usize] {
                         true => {
                             let motion = held.motion(&pose, &self.rotation);
-                            held.answer(&motion, friction.law, &self.layers)
+                            held.answer(&motion, friction.law, &self.layers).parts()
                         }
-                        false => Traction::default(),
+                        false => Default::default(),
                     };
                 }
-            },
-        );
-        balance.moment.clear();
-        balance.moment.resize(at.position.len(), Vec3::zeros());
-        balance.shear_potential = 0.0;
-        for (held, traction) in self.contacts.iter().zip(&balance.tractions) {
-            if !traction.live {
-                continue;
+            });
+            for (held, pull) in contacts.iter().zip(&*pulls) {
+                *shear_potential += pull.potential;
+                let i = held.first as usize;
+                gradient[i] -= pull.force;
+                moment[i] += pull.lever * pull.arm[0] - pull.couple;
+                if let Other::Grain(j) = held.second {
+                    let j = j as usize;
+                    gradient[j] += pull.force;
+                    moment[j] += pull.lever * pull.arm[1] + pull.couple;
+                }
             }
-            balance.shear_potential += traction.potential();
-            let i = held.first as usize;
-            let force = traction.shear.force;
-            let lever = traction.normal.cross(&force);
-            let couple = traction.normal * traction.torsion.couple;
-            balance.gradient[i] -= force;
-            balance.moment[i] += (lever * traction.arm[0] - couple) / at.model.radius[i];
-            if let Other::Grain(j) = held.second {
-                let j = j as usize;
-                balance.gradient[j] += force;
-                balance.moment[j] += (lever * traction.arm[1] + couple) / at.model.radius[j];
-            }
+        }
+        for (moment, radius) in moment.iter_mut().zip(&model.radius) {
+            *moment /= *radius;
         }
     }
 

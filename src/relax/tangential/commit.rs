@@ -45,7 +45,12 @@ impl Reference {
         let mut ledger = state.friction;
         ledger.stored = 0.0;
         for (held, traction) in self.contacts.iter().zip(&balance.tractions) {
-            let (shear, torsion) = (traction.shear.force, traction.torsion.couple);
+            let motion = held.motion(&pose, &self.rotation);
+            let answer = held.answer(&motion, friction.law, &self.layers);
+            let (shear, torsion) = match traction.live {
+                true => (answer.shear.force, answer.torsion.couple),
+                false => (Vec3::zeros(), 0.0),
+            };
             let overlap = held.present_overlap(model, state);
             if !traction.live || held.overlap == 0.0 || overlap <= 0.0 {
                 changes.opened += 1;
@@ -56,7 +61,7 @@ impl Reference {
             let mut now = *held;
             let pair = Pair::of(model, friction, held.first, held.second);
             now.freeze(&pair, overlap, Midway::No, friction.torsion);
-            let excess = match traction.shear.slides {
+            let excess = match traction.slides {
                 true => (shear.norm() - now.limit).abs(),
                 false => shear.norm() - now.limit,
             };
@@ -64,19 +69,18 @@ impl Reference {
             let layers = memory.layers.len();
             let change = match friction.law {
                 Law::MindlinDeresiewicz => {
-                    let motion = held.motion(&pose, &self.rotation);
                     held.slip(&now, &motion, torsion, &self.layers, &mut memory.layers)
                 }
                 Law::ReturnMap | Law::Secant => held.stick_or_slide(&now, &shear, torsion),
             };
-            ledger.slip += traction.shear.dissipated + traction.torsion.dissipated;
+            ledger.slip += answer.shear.dissipated + answer.torsion.dissipated;
             ledger.slip += change.slip;
             ledger.renewal += change.renewal;
             ledger.stored += change.stored;
             memory.contacts.push(Remembered {
                 shear,
                 torsion,
-                slides: traction.shear.slides,
+                slides: traction.slides,
                 layers: (memory.layers.len() - layers) as u32,
                 ..held.carried
             });

@@ -1,20 +1,21 @@
 //! One contact at the reference configuration, and its answer in another.
 
 use crate::Vec3;
-use crate::contact::coulomb::{self, Shear};
+use crate::contact::coulomb::{self, Shear, Torsion};
 use crate::contact::neighbours::wall_gap;
 use crate::contact::partial_slip::{self, Step};
 use crate::contact::{Other, hertz, mindlin};
 use crate::model::{Friction, Model};
 use crate::pack::Layer;
-use crate::relax::tangential::Traction;
 use crate::relax::tangential::turn::{Turn, turned_into_plane};
+use crate::relax::tangential::{Pull, Traction};
 use crate::scene::Law;
 use crate::state::{Remembered, State};
 use crate::wall::{self, Bounds};
 
-/// A contact at the reference configuration.
+/// A contact at the reference configuration. What every evaluation needs comes first.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub struct Held {
     /// Grain i.
     pub first: u32,
@@ -22,15 +23,6 @@ pub struct Held {
     pub second: Other,
     /// r_ij⁰ \[m\]; at a wall the centre of the grain.
     pub(super) branch: Vec3,
-    /// n̂⁰.
-    pub(super) normal: Vec3,
-    /// h⁰ \[m\], or the later overlap that stiffness and limit were renewed with.
-    pub overlap: f64,
-    /// h⁰ \[m\].
-    pub reference_overlap: f64,
-    /// What the contact carried, and the elastic energy of that \[J\].
-    pub(super) carried: Remembered,
-    pub(super) carried_energy: f64,
     /// k_s \[N/m\] (T 3.5a).
     pub stiffness: f64,
     /// Q_max = μP \[N\].
@@ -39,10 +31,58 @@ pub struct Held {
     pub(super) torsion_stiffness: f64,
     /// Largest couple \[N m\] (T 3.3.3).
     pub(super) torsion_limit: f64,
+    /// h⁰ \[m\], or the later overlap that stiffness and limit were renewed with.
+    pub overlap: f64,
+    /// What the contact carried.
+    pub(super) carried: Remembered,
+    /// n̂⁰.
+    pub(super) normal: Vec3,
+    /// h⁰ \[m\].
+    pub reference_overlap: f64,
+    /// Elastic energy of what the contact carried \[J\].
+    pub(super) carried_energy: f64,
     /// For partial slip: the contact, the overlap its layers end at and the first of them.
     pub(super) partial: partial_slip::Contact,
     pub(super) before: f64,
     pub(super) first_layer: u32,
+}
+
+/// Answer of a contact in another configuration.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Answer {
+    normal: Vec3,
+    arm: [f64; 2],
+    /// Answer to the shear.
+    pub(super) shear: Shear,
+    /// Answer to the torsion.
+    pub(super) torsion: Torsion,
+}
+
+impl Answer {
+    /// What the linearisation needs of it, and what the balance does.
+    #[inline(always)]
+    pub(super) fn parts(&self) -> (Traction, Pull) {
+        let Self { normal, arm, shear, torsion } = self;
+        let single = |v: &Vec3| <[f64; 3]>::from(*v).map(|x| x as f32);
+        let traction = Traction {
+            live: true,
+            slides: shear.slides,
+            normal: single(normal),
+            direction: single(&shear.direction),
+            across: shear.across as f32,
+            sliding: (shear.along - shear.across) as f32,
+            arm: arm.map(|arm| arm as f32),
+            torsion: torsion.stiffness as f32,
+        };
+        let pull = Pull {
+            force: shear.force,
+            lever: normal.cross(&shear.force),
+            couple: normal * torsion.couple,
+            potential: shear.potential + torsion.potential,
+            arm: *arm,
+        };
+        (traction, pull)
+    }
 }
 
 /// Where a contact is and how it moved since the reference.
@@ -207,6 +247,7 @@ impl Held {
     }
 
     /// How the contact moved, for the rotations `rotation` at the reference.
+    #[inline(always)]
     pub(super) fn motion(&self, at: &Pose<'_>, rotation: &[Vec3]) -> Motion {
         let i = self.first as usize;
         let turned = |k: usize| at.rotation[k] - rotation[k];
@@ -216,10 +257,11 @@ impl Held {
                 let j = j as usize;
                 let branch = xi - at.position[j];
                 let distance = branch.norm();
-                let normal = branch / distance;
+                let inverse = 1.0 / distance;
+                let normal = branch * inverse;
                 let (ri, rj) = (at.model.radius[i], at.model.radius[j]);
                 // Of the current disc (T 2.16, 3.3a): a frozen one leaves a spurious couple.
-                let arm_i = 0.5 * (distance + (ri - rj) * (ri + rj) / distance);
+                let arm_i = 0.5 * (distance + (ri - rj) * (ri + rj) * inverse);
                 let arm = [arm_i, distance - arm_i];
                 let (wi, wj) = (turned(i), turned(j));
                 let sweep = wi * arm[0] + wj * arm[1];
@@ -238,7 +280,8 @@ impl Held {
     }
 
     /// Answer to `motion` by `law`.
-    pub(super) fn answer(&self, motion: &Motion, law: Law, layers: &[Layer]) -> Traction {
+    #[inline(always)]
+    pub(super) fn answer(&self, motion: &Motion, law: Law, layers: &[Layer]) -> Answer {
         let Motion { normal, arm, slid, twist } = *motion;
         let carried = || turned_into_plane(&self.carried.shear, &normal);
         let shear = match law {
@@ -265,7 +308,7 @@ impl Held {
             self.torsion_stiffness,
             self.torsion_limit,
         );
-        Traction { live: true, normal, arm, shear, torsion }
+        Answer { normal, arm, shear, torsion }
     }
 
     /// The layers of this contact among those of all.

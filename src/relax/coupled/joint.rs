@@ -1,0 +1,131 @@
+//! One contact between grains in the linearised balance with friction.
+
+use super::block6::{Block6, Six};
+use crate::relax::block::Block;
+use crate::relax::lanes::{Four, Lanes};
+use crate::relax::tangential::Traction;
+
+/// A contact of grains i and j, in units of the reference stiffness: 64 bytes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Joint {
+    /// n̂, towards i.
+    n: Four,
+    /// e.
+    e: Four,
+    /// kn + P/r.
+    axial: f32,
+    /// P/r.
+    b: f32,
+    /// α.
+    across: f32,
+    /// β, along minus across.
+    sliding: f32,
+    /// λ_i, λ_j.
+    lever: [f32; 2],
+    /// √γ / R_i and √γ / R_j with the torsional stiffness γ.
+    twist: [f32; 2],
+}
+
+impl Joint {
+    /// Takes the normal part of the linearisation.
+    pub(super) fn press(&mut self, m: [f32; 3], b: f32) {
+        let length = (m[0] * m[0] + m[1] * m[1] + m[2] * m[2]).sqrt();
+        self.n = Four([m[0] / length, m[1] / length, m[2] / length, 0.0]);
+        self.axial = length * length;
+        self.b = b;
+        self.lever = [1.0; 2];
+    }
+
+    /// Of a grain held along `axis` by walls of the stiffness `k`.
+    pub(super) fn wall(axis: usize, k: f32) -> Self {
+        let mut n = Four::default();
+        n.0[axis] = 1.0;
+        Self { n, axial: k, ..Self::default() }
+    }
+
+    /// Takes the tangential part of the linearisation.
+    pub(super) fn shear(&mut self, t: &Traction, radii: [f32; 2], scale: f32) {
+        let four = |[x, y, z]: [f32; 3]| Four([x, y, z, 0.0]);
+        self.n = four(t.normal);
+        self.e = four(t.direction);
+        self.across = t.across * scale;
+        self.sliding = t.sliding * scale;
+        self.lever = [0, 1].map(|k| t.arm[k] / radii[k]);
+        let root = (t.torsion * scale).sqrt();
+        self.twist = radii.map(|radius| root / radius);
+    }
+
+    /// The same contact with i and j exchanged.
+    pub(super) fn swapped(&self) -> Self {
+        let [li, lj] = self.lever;
+        let [ci, cj] = self.twist;
+        Self { n: Four(self.n.0.map(|n| -n)), lever: [lj, li], twist: [cj, ci], ..*self }
+    }
+
+    /// Adds this contact's part of the product with x to y.
+    #[inline(always)]
+    pub(super) fn multiply<L: Lanes>(
+        &self,
+        l: L,
+        [ui, wi]: [L::F; 2],
+        xj: &Six,
+        [fi, mi]: [L::F; 2],
+        yj: &mut Six,
+    ) -> [L::F; 2] {
+        let (uj, wj) = (l.load(&xj.u), l.load(&xj.w));
+        let (n, e) = (l.load(&self.n), l.load(&self.e));
+        let [li, lj] = self.lever.map(|x| l.splat(x));
+        let [ci, cj] = self.twist.map(|x| l.splat(x));
+        let (n1, n2) = (l.yzx(n), l.zxy(n));
+        let d = l.sub(ui, uj);
+        let omega = l.mul_add(li, wi, l.mul(lj, wj));
+        // s = T d + n̂ × ω
+        let normal = l.sum(l.mul(n, d));
+        let s = l.mul_add(n1, l.zxy(omega), l.sub_mul(n, normal, d));
+        let s = l.sub_mul(n2, l.yzx(omega), s);
+        let along = l.mul(l.splat(self.sliding), l.sum(l.mul(e, s)));
+        let t = l.mul_add(along, e, l.mul(l.splat(self.across), s));
+        let force = l.mul_add(l.mul(l.splat(self.axial), normal), n, t);
+        let force = l.sub_mul(l.splat(self.b), d, force);
+        let torque = l.sub_mul(l.zxy(t), n1, l.mul(l.yzx(t), n2)); // t × n̂
+        let twist = l.sum(l.mul(n, l.sub_mul(cj, wj, l.mul(ci, wi))));
+        let couple = l.mul(twist, n);
+        let (fj, mj) = (l.load(&yj.u), l.load(&yj.w));
+        l.store(&mut yj.u, l.sub(fj, force));
+        l.store(&mut yj.w, l.sub_mul(cj, couple, l.mul_add(lj, torque, mj)));
+        [l.add(fi, force), l.mul_add(ci, couple, l.mul_add(li, torque, mi))]
+    }
+
+    /// Adds the diagonal block of grain i (`side` 0) or j (1) to `to`.
+    #[inline(always)]
+    pub(super) fn add_block<L: Lanes>(&self, l: L, side: usize, to: &mut Block6) {
+        let (n, e) = (l.load(&self.n), l.load(&self.e));
+        let (n1, n2, e1, e2) = (l.yzx(n), l.zxy(n), l.yzx(e), l.zxy(e));
+        let f = l.sub_mul(e2, n1, l.mul(e1, n2)); // e × n̂
+        let f1 = l.yzx(f);
+        let ones = l.load(&Four([1.0, 1.0, 1.0, 0.0]));
+        let lever = if side == 0 { self.lever[0] } else { -self.lever[1] };
+        let square = lever * lever;
+        let twist = self.twist[side] * self.twist[side];
+        let add = |to: &mut Block, even: f32, v: [(f32, L::F, L::F); 2]| {
+            let [(s, a, a1), (t, b, b1)] = v;
+            let (sa, tb) = (l.mul(l.splat(s), a), l.mul(l.splat(t), b));
+            let on = l.mul_add(l.splat(even), ones, l.load(&to.on));
+            l.store(&mut to.on, l.mul_add(tb, b, l.mul_add(sa, a, on)));
+            let off = l.mul_add(tb, b1, l.mul_add(sa, a1, l.load(&to.off)));
+            l.store(&mut to.off, off);
+        };
+        let normal = (self.axial - self.across, n, n1);
+        add(&mut to.u, self.across - self.b, [normal, (self.sliding, e, e1)]);
+        let turning = square * self.across;
+        let of_slip = (square * self.sliding, f, f1);
+        add(&mut to.w, turning, [(twist - turning, n, n1), of_slip]);
+        // λ (α [n̂]× + β e fᵀ) with f = e × n̂, which s·e = e·d + ω·f makes.
+        let (a, b) = (l.splat(lever * self.across), l.splat(lever * self.sliding));
+        let be = l.mul(b, e);
+        let [a0, a1, a2] = [0, 1, 2].map(|k| l.load(&to.uw[k]));
+        l.store(&mut to.uw[0], l.mul_add(be, f, a0));
+        l.store(&mut to.uw[1], l.mul_add(be, f1, l.sub_mul(a, n2, a1)));
+        l.store(&mut to.uw[2], l.mul_add(be, l.zxy(f), l.mul_add(a, n1, a2)));
+    }
+}

@@ -1,0 +1,315 @@
+//! Four numbers in single precision at a time, and the choice of the machine's instructions.
+//!
+//! Products and sums are fused ([`f32::mul_add`]) on every machine, in the same order, so that the
+//! choice changes the time and not one bit: where the processor has no fused instruction the
+//! standard library computes the same, slowly.
+#![allow(unsafe_code)] // Instructions that not every processor has; the reasons are at each use.
+
+/// Rows summed in single precision before they are added up in double.
+pub(super) const LANE_ROWS: usize = 64;
+
+/// The sum of four lanes in double precision.
+#[inline(always)]
+pub(super) fn in_double([x, y, z, w]: [f32; 4]) -> f64 {
+    (f64::from(x) + f64::from(y)) + (f64::from(z) + f64::from(w))
+}
+
+/// Three numbers and a fourth that is zero, or four.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(16))]
+pub(super) struct Four(pub(super) [f32; 4]);
+
+/// The operations that the kernels are made of.
+pub(super) trait Lanes: Copy + Send + Sync {
+    /// Four numbers in a register.
+    type F: Copy;
+    /// From memory.
+    fn load(self, from: &Four) -> Self::F;
+    /// To memory.
+    fn store(self, to: &mut Four, f: Self::F);
+    /// The same number four times.
+    fn splat(self, x: f32) -> Self::F;
+    /// a + b.
+    fn add(self, a: Self::F, b: Self::F) -> Self::F;
+    /// a - b.
+    fn sub(self, a: Self::F, b: Self::F) -> Self::F;
+    /// a b.
+    fn mul(self, a: Self::F, b: Self::F) -> Self::F;
+    /// a b + c, rounded once.
+    fn mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F;
+    /// c - a b, rounded once.
+    fn sub_mul(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F;
+    /// Lane `LANE` four times.
+    fn lane<const LANE: usize>(self, a: Self::F) -> Self::F;
+    /// (y, z, x, w).
+    fn yzx(self, a: Self::F) -> Self::F;
+    /// (z, x, y, w).
+    fn zxy(self, a: Self::F) -> Self::F;
+    /// The sum of all lanes, (x + y) + (z + w), four times.
+    fn sum(self, a: Self::F) -> Self::F;
+    /// The four numbers.
+    fn array(self, a: Self::F) -> [f32; 4];
+}
+
+/// Work that is written once for all machines.
+pub(super) trait Kernel {
+    /// What it gives.
+    type Output;
+    /// Does it; to be `#[inline(always)]`, so that it is compiled for the instructions in use.
+    fn run<L: Lanes>(self, lanes: L) -> Self::Output;
+}
+
+/// Runs `kernel` with the best instructions that this machine has.
+#[inline]
+pub(super) fn dispatch<K: Kernel>(kernel: K) -> K::Output {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(fused) = x86::Fused::detect() {
+        // SAFETY: the value exists only where AVX2 and FMA do.
+        return unsafe { x86::run(fused, kernel) };
+    }
+    kernel.run(Portable)
+}
+
+/// Name of the kernels that this machine runs: `avx2-fma`, or `portable` for what the compiler
+/// makes of plain Rust. Both give the same bits.
+#[must_use]
+pub fn kernels() -> &'static str {
+    #[cfg(target_arch = "x86_64")]
+    if x86::Fused::detect().is_some() {
+        return "avx2-fma";
+    }
+    "portable"
+}
+
+/// Plain Rust.
+#[derive(Clone, Copy)]
+pub(super) struct Portable;
+
+impl Lanes for Portable {
+    type F = [f32; 4];
+
+    #[inline(always)]
+    fn load(self, from: &Four) -> Self::F {
+        from.0
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut Four, f: Self::F) {
+        to.0 = f;
+    }
+
+    #[inline(always)]
+    fn splat(self, x: f32) -> Self::F {
+        [x; 4]
+    }
+
+    #[inline(always)]
+    fn add(self, a: Self::F, b: Self::F) -> Self::F {
+        std::array::from_fn(|k| a[k] + b[k])
+    }
+
+    #[inline(always)]
+    fn sub(self, a: Self::F, b: Self::F) -> Self::F {
+        std::array::from_fn(|k| a[k] - b[k])
+    }
+
+    #[inline(always)]
+    fn mul(self, a: Self::F, b: Self::F) -> Self::F {
+        std::array::from_fn(|k| a[k] * b[k])
+    }
+
+    #[inline(always)]
+    fn mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F {
+        std::array::from_fn(|k| a[k].mul_add(b[k], c[k]))
+    }
+
+    #[inline(always)]
+    fn sub_mul(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F {
+        std::array::from_fn(|k| (-a[k]).mul_add(b[k], c[k]))
+    }
+
+    #[inline(always)]
+    fn lane<const LANE: usize>(self, a: Self::F) -> Self::F {
+        [a[LANE]; 4]
+    }
+
+    #[inline(always)]
+    fn yzx(self, a: Self::F) -> Self::F {
+        [a[1], a[2], a[0], a[3]]
+    }
+
+    #[inline(always)]
+    fn zxy(self, a: Self::F) -> Self::F {
+        [a[2], a[0], a[1], a[3]]
+    }
+
+    #[inline(always)]
+    fn sum(self, a: Self::F) -> Self::F {
+        [(a[0] + a[1]) + (a[2] + a[3]); 4]
+    }
+
+    #[inline(always)]
+    fn array(self, a: Self::F) -> [f32; 4] {
+        a
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    use std::arch::x86_64::{
+        __m128, _mm_add_ps, _mm_fmadd_ps, _mm_fnmadd_ps, _mm_load_ps, _mm_mul_ps, _mm_permute_ps,
+        _mm_set1_ps, _mm_store_ps, _mm_sub_ps,
+    };
+
+    use super::{Four, Kernel, Lanes};
+
+    /// A processor with AVX2 and FMA.
+    #[derive(Clone, Copy)]
+    pub(super) struct Fused(());
+
+    impl Fused {
+        #[inline]
+        pub(super) fn detect() -> Option<Self> {
+            let has = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
+            has.then_some(Self(()))
+        }
+    }
+
+    /// Runs `kernel`, compiled for these instructions.
+    #[target_feature(enable = "avx2,fma")]
+    pub(super) fn run<K: Kernel>(fused: Fused, kernel: K) -> K::Output {
+        kernel.run(fused)
+    }
+
+    // SAFETY, of every block here: a `Fused` exists only where AVX2 and FMA do, and a `Four` is 16
+    // aligned bytes.
+    impl Lanes for Fused {
+        type F = __m128;
+
+        #[inline(always)]
+        fn load(self, from: &Four) -> __m128 {
+            unsafe { _mm_load_ps(from.0.as_ptr()) }
+        }
+
+        #[inline(always)]
+        fn store(self, to: &mut Four, f: __m128) {
+            unsafe { _mm_store_ps(to.0.as_mut_ptr(), f) }
+        }
+
+        #[inline(always)]
+        fn splat(self, x: f32) -> __m128 {
+            unsafe { _mm_set1_ps(x) }
+        }
+
+        #[inline(always)]
+        fn add(self, a: __m128, b: __m128) -> __m128 {
+            unsafe { _mm_add_ps(a, b) }
+        }
+
+        #[inline(always)]
+        fn sub(self, a: __m128, b: __m128) -> __m128 {
+            unsafe { _mm_sub_ps(a, b) }
+        }
+
+        #[inline(always)]
+        fn mul(self, a: __m128, b: __m128) -> __m128 {
+            unsafe { _mm_mul_ps(a, b) }
+        }
+
+        #[inline(always)]
+        fn mul_add(self, a: __m128, b: __m128, c: __m128) -> __m128 {
+            unsafe { _mm_fmadd_ps(a, b, c) }
+        }
+
+        #[inline(always)]
+        fn sub_mul(self, a: __m128, b: __m128, c: __m128) -> __m128 {
+            unsafe { _mm_fnmadd_ps(a, b, c) }
+        }
+
+        #[inline(always)]
+        fn lane<const LANE: usize>(self, a: __m128) -> __m128 {
+            unsafe {
+                match LANE {
+                    0 => _mm_permute_ps::<0b00_00_00_00>(a),
+                    1 => _mm_permute_ps::<0b01_01_01_01>(a),
+                    2 => _mm_permute_ps::<0b10_10_10_10>(a),
+                    _ => _mm_permute_ps::<0b11_11_11_11>(a),
+                }
+            }
+        }
+
+        #[inline(always)]
+        fn yzx(self, a: __m128) -> __m128 {
+            unsafe { _mm_permute_ps::<0b11_00_10_01>(a) }
+        }
+
+        #[inline(always)]
+        fn zxy(self, a: __m128) -> __m128 {
+            unsafe { _mm_permute_ps::<0b11_01_00_10>(a) }
+        }
+
+        #[inline(always)]
+        fn sum(self, a: __m128) -> __m128 {
+            unsafe {
+                let pairs = _mm_add_ps(a, _mm_permute_ps::<0b10_11_00_01>(a));
+                _mm_add_ps(pairs, _mm_permute_ps::<0b01_00_11_10>(pairs))
+            }
+        }
+
+        #[inline(always)]
+        fn array(self, a: __m128) -> [f32; 4] {
+            let mut four = Four::default();
+            self.store(&mut four, a);
+            four.0
+        }
+    }
+
+    #[cfg(test)]
+    mod tests {
+        use super::super::Portable;
+        use super::*;
+
+        /// One of everything, on numbers that round.
+        struct All([Four; 3]);
+
+        impl Kernel for All {
+            type Output = Vec<[u32; 4]>;
+
+            #[inline(always)]
+            fn run<L: Lanes>(self, l: L) -> Self::Output {
+                let [a, b, c] = self.0.map(|four| l.load(&four));
+                [
+                    a,
+                    l.splat(0.1),
+                    l.add(a, b),
+                    l.sub(a, b),
+                    l.mul(a, b),
+                    l.mul_add(a, b, c),
+                    l.sub_mul(a, b, c),
+                    l.lane::<0>(a),
+                    l.lane::<1>(a),
+                    l.lane::<2>(a),
+                    l.lane::<3>(a),
+                    l.yzx(a),
+                    l.zxy(a),
+                    l.sum(a),
+                ]
+                .map(|f| l.array(f).map(f32::to_bits))
+                .to_vec()
+            }
+        }
+
+        #[test]
+        fn both_sets_of_instructions_give_the_same_bits() {
+            let Some(fused) = Fused::detect() else { return };
+            for k in 1..200u16 {
+                let x = |n: u16| (f32::from(k) * 0.37 + f32::from(n)).sin() * 1e3f32.powi(n.into());
+                let four = |n: u16| Four([x(n), x(n + 1), x(n + 2), -x(n)]);
+                let numbers = [four(0), four(1), four(2)];
+                // SAFETY: `Fused` was detected.
+                let fast = unsafe { run(fused, All(numbers)) };
+                assert_eq!(fast, All(numbers).run(Portable));
+            }
+        }
+    }
+}
