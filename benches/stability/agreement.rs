@@ -1,0 +1,187 @@
+//! How often an increment ends where the gradient flow from its affine start ends: random strain
+//! increments of random small packs, each followed by the solver and by [`reference`](crate::reference).
+
+use graintwin::contact::Other;
+use graintwin::measure::contacts::Contacts;
+use graintwin::measure::walls;
+use graintwin::model::Model;
+use graintwin::pack::generate::generate;
+use graintwin::relax::advance::move_walls;
+use graintwin::relax::{Workspace, relax};
+use graintwin::scene::{Coulomb, Friction, Law, Solver, Update, Walls};
+use graintwin::state::State;
+use graintwin::wall;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+use crate::packs::{GLASS, recipe, scene};
+use crate::reference;
+
+/// Packs for each stress.
+const PACKS: u64 = 40;
+/// Increments of each pack.
+const INCREMENTS: usize = 6;
+/// Confining stresses of the packs \[Pa\].
+const STRESSES: [f64; 3] = [1e5, 1e6, 1e7];
+/// Strains of the increments over the mean overlap strain. The program takes no more than 0.05 at
+/// once by itself; 0.2 provokes instabilities.
+const SHARES: [f64; 4] = [0.01, 0.05, 0.05, 0.2];
+/// Two end states are one when their wall forces differ by less than this share of the mean, and
+const FORCE: f64 = 1e-4;
+/// no grain that carries load is this many mean overlaps apart.
+const APART: f64 = 0.01;
+/// Contacts weaker than this over the mean do not hold a grain in its place.
+const WEAK: f64 = 1e-3;
+
+/// Counts of one class of increments.
+#[derive(Clone, Copy, Default)]
+struct Count {
+    increments: u32,
+    same: u32,
+}
+
+/// Runs the comparison and prints its table.
+pub(crate) fn run() {
+    println!("| friction | strain / overlap strain | increments | followed | events | same, no event | same, event | failed |");
+    println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
+    for friction in [0.0, 0.3] {
+        let mut rows = [[Count::default(); 2]; 3];
+        let (mut followed, mut failed) = ([0; 3], [0; 3]);
+        for seed in 1..=PACKS {
+            for (k, stress) in STRESSES.into_iter().enumerate() {
+                let Some(mut case) = Case::new(seed, k as u64, stress, friction) else { continue };
+                for _ in 0..INCREMENTS {
+                    let Some(seen) = case.increment() else { break };
+                    let row = usize::from(seen.share > 0.01) + usize::from(seen.share > 0.05);
+                    followed[row] += u32::from(seen.followed);
+                    let Some(same) = seen.same else {
+                        failed[row] += 1;
+                        break;
+                    };
+                    let count = &mut rows[row][usize::from(seen.event)];
+                    count.increments += 1;
+                    count.same += u32::from(same);
+                    if !same {
+                        eprintln!("other end: seed {seed} stress {stress:.0e} friction {friction} {seen:?}");
+                    }
+                }
+            }
+        }
+        for (row, share) in [0.01, 0.05, 0.2].into_iter().enumerate() {
+            let [quiet, loud] = rows[row];
+            println!(
+                "| {friction} | {share} | {} | {} | {} | {}/{} | {}/{} | {} |",
+                quiet.increments + loud.increments,
+                followed[row],
+                loud.increments,
+                quiet.same,
+                quiet.increments,
+                loud.same,
+                loud.increments,
+                failed[row],
+            );
+        }
+    }
+}
+
+/// A small pack on its way.
+struct Case {
+    model: Model,
+    state: State,
+    work: Workspace,
+    rng: Pcg64,
+}
+
+/// What one increment came to.
+#[derive(Debug)]
+struct Seen {
+    share: f64,
+    /// Whether the solver followed the flow.
+    followed: bool,
+    /// Whether it reported an event.
+    event: bool,
+    /// Whether it ended where the reference did; `None` when it found no equilibrium.
+    same: Option<bool>,
+    /// Wall forces over the mean, and positions over the mean overlap, apart.
+    apart: (f64, f64),
+}
+
+impl Case {
+    fn new(seed: u64, k: u64, stress: f64, friction: f64) -> Option<Self> {
+        let mut rng = Pcg64::seed_from_u64(10 * seed + k);
+        let recipe = recipe(rng.random_range(20..=60usize), stress, seed);
+        let mut pack = generate(&recipe, &GLASS, &Walls::default(), 0.0, Solver::default()).ok()?;
+        let mut scene = scene();
+        if friction > 0.0 {
+            let coefficient = friction;
+            let coulomb = Coulomb { coefficient, law: Law::ReturnMap, update: Update::Frozen };
+            scene.contact.friction = Friction::Coulomb(coulomb);
+            pack.grains.iter_mut().for_each(|grain| grain.friction = friction);
+        }
+        let model = Model::new(&pack, &scene);
+        let (mut state, mut work) = (State::new(&model), Workspace::new(&model));
+        work.start(&model, &state);
+        let outcome = relax(&model, &mut state, &mut work);
+        work.commit(&model, &mut state);
+        outcome.status.is_equilibrium().then_some(Self { model, state, work, rng })
+    }
+
+    /// One random increment; `None` where the reference takes too long.
+    fn increment(&mut self) -> Option<Seen> {
+        let Self { model, state, work, rng } = self;
+        let share = SHARES[rng.random_range(0..SHARES.len())];
+        let direction: [f64; 3] = std::array::from_fn(|_| 2.0 * rng.random::<f64>() - 1.0);
+        let longest = direction.iter().map(|d| d.abs()).fold(0.0, f64::max);
+        let overlap = work.balance.sums.mean_overlap();
+        let strain = share * overlap / (2.0 * model.mean_radius) / longest;
+        let sides = model.start.sides();
+        let target: [f64; wall::COUNT] = std::array::from_fn(|w| {
+            state.displacement[w] + 0.5 * strain * direction[w / 2] * sides[w / 2]
+        });
+        work.begin(model, state);
+        move_walls(model, state, &target, 1.0);
+        let mut wanted = state.clone();
+        reference::follow(model, &mut wanted, work)?;
+        work.jumps.clear();
+        let outcome = relax(model, state, work);
+        let (followed, event) = (outcome.descents > 0, !work.jumps.is_empty());
+        if !outcome.status.is_equilibrium() {
+            return Some(Seen { share, followed, event, same: None, apart: (0.0, 0.0) });
+        }
+        let apart = apart(model, state, &mut wanted, work, overlap);
+        work.evaluate(model, state, &state.bounds(model));
+        work.commit(model, state);
+        let same = Some(apart.0 <= FORCE && apart.1 <= APART);
+        Some(Seen { share, followed, event, same, apart })
+    }
+}
+
+fn apart(
+    model: &Model,
+    state: &State,
+    wanted: &mut State,
+    work: &mut Workspace,
+    overlap: f64,
+) -> (f64, f64) {
+    wanted.carries.copy_from_slice(&state.carries);
+    work.neighbours.refresh(model, &wanted.position, &state.bounds(model));
+    let there = walls::normal_forces(model, wanted, &work.neighbours);
+    work.neighbours.refresh(model, &state.position, &state.bounds(model));
+    let here = walls::normal_forces(model, state, &work.neighbours);
+    let mean = here.iter().sum::<f64>() / wall::COUNT as f64;
+    let forces = here.iter().zip(there).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / mean;
+    let contacts = Contacts::of(model, state, &work.neighbours);
+    let mut holds = vec![0; model.len()];
+    for contact in contacts.list.iter().filter(|c| c.force > WEAK * contacts.mean_force) {
+        holds[contact.first as usize] += 1;
+        if let Other::Grain(j) = contact.second {
+            holds[j as usize] += 1;
+        }
+    }
+    let needed = if model.friction.is_some() { 2 } else { 4 };
+    let moved = (0..model.len())
+        .filter(|&i| state.carries[i] && holds[i] >= needed)
+        .map(|i| (state.position[i] - wanted.position[i]).norm())
+        .fold(0.0, f64::max);
+    (forces, moved / overlap)
+}
