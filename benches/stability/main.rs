@@ -7,16 +7,21 @@
 #![allow(clippy::unwrap_used)] // In what it shares with the tests.
 
 mod agreement;
+#[path = "../../tests/common/hard.rs"]
+mod hard;
 #[path = "../../tests/common/packs.rs"]
 mod packs;
 mod reference;
+mod scenes;
 
 fn main() {
     let only = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
-    let wanted = |name: &str| only.as_ref().is_none_or(|only| only == name);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
     pool.install(|| {
-        if wanted("agreement") {
+        if only.as_deref() != Some("agreement") {
+            scenes::run(only.as_deref());
+        }
+        if only.as_deref().is_none_or(|only| only == "agreement") {
             agreement::run();
         }
     });
