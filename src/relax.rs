@@ -253,12 +253,17 @@ impl Workspace {
         }
     }
 
-    /// Solves for the step, with the shifts as they are; `largest` \[N\] scales it.
-    fn solve(&mut self, largest: f64, forcing: f64, most: u32) -> Inner {
+    /// Factorises the linearisation with the shifts as they are.
+    fn factorise(&mut self) {
         match self.reference.active {
             false => self.linear.factorise(&self.shift),
             true => self.coupled.factorise(&self.shift),
         }
+    }
+
+    /// Solves for the step, with the shifts as they are; `largest` \[N\] scales it.
+    fn solve(&mut self, largest: f64, forcing: f64, most: u32) -> Inner {
+        self.factorise();
         let balance = std::mem::take(&mut self.balance);
         let inner = self.solve_again(&balance, largest, forcing, most);
         self.balance = balance;

@@ -17,8 +17,11 @@ use crate::state::State;
 
 /// Largest correction of a grain's step, but for the part along the flow, over the mean overlap.
 const ERROR: f64 = 0.2;
-/// Largest correction of the whole step over the step.
+/// Correction of the whole step over the step beyond which the implicit step is solved for.
 const SHARE: f64 = 0.5;
+/// Forces that may be left then, and iterations that it may take.
+const LEFT: f64 = 0.3;
+const MOST_SETTLING: u32 = 8;
 /// First σ over the reference stiffness.
 const FIRST_SHIFT: f64 = 0.1;
 /// Largest σ over the reference stiffness: the flow would hardly move.
@@ -130,8 +133,8 @@ impl Flow {
         if correct(work, sigma) == Inner::NegativeCurvature {
             return Err(Refused(STIFFEN * self.shift));
         }
-        let error = take_correction(model, work);
-        if error.is_nan() {
+        let (error, share) = take_correction(model, work);
+        if error.is_nan() || share.is_nan() {
             return Err(Refused(STIFFEN * self.shift));
         }
         let change = (error.sqrt() / 0.9).clamp(CHANGE.0, CHANGE.1);
@@ -139,6 +142,11 @@ impl Flow {
             return Err(Refused(change * self.shift));
         }
         work.try_step(model, state, &bounds, 1.0);
+        if share > SHARE && !settle(model, state, work, sigma) {
+            work.evaluate(model, state, &bounds);
+            work.assemble(model);
+            return Err(Refused(STIFFEN * self.shift));
+        }
         work.accept(state);
         let change = if self.refused { change.max(AFTER_REFUSAL) } else { change };
         self.refused = false;
@@ -168,9 +176,10 @@ fn correct(work: &mut Workspace, sigma: f64) -> Inner {
     inner
 }
 
-/// Adds the step to its correction, both in `step` then; says how large the correction was over
-/// what is allowed. Along the flow it only tells when the pack comes by, not where.
-fn take_correction(model: &Model, work: &mut Workspace) -> f64 {
+/// Adds the step to its correction, both in `step` then; says how large the correction was of a
+/// grain, over what is allowed, and of the whole step, over the step. Along the flow it only tells
+/// when the pack comes by, not where.
+fn take_correction(model: &Model, work: &mut Workspace) -> (f64, f64) {
     let overlap = match work.balance.sums.contacts {
         0 => 0.1 * model.mean_radius,
         _ => work.balance.sums.mean_overlap(),
@@ -179,14 +188,45 @@ fn take_correction(model: &Model, work: &mut Workspace) -> f64 {
     let firsts = first_step.iter().chain(&*first_turn);
     let along: f64 = step.iter().chain(&*turn).zip(firsts.clone()).map(|(d, s)| d.dot(s)).sum();
     let length = square(first_step, first_turn);
-    let share = (square(step, turn) / length).sqrt() / SHARE;
+    let share = (square(step, turn) / length).sqrt();
     let mut across = 0.0_f64;
     for (d, s) in step.iter_mut().chain(turn).zip(firsts) {
         across = across.max((*d - s * (along / length)).norm_squared());
         *d += s;
     }
-    let across = across.sqrt() / (ERROR * overlap);
-    if share <= 1.0 { across } else { across.max(share) }
+    (across.sqrt() / (ERROR * overlap), share)
+}
+
+/// Newton's method for the implicit step from the one that was tried, which was corrected by more
+/// than [`SHARE`]: contacts opened or closed on the way. Says whether the forces g + σ s that are
+/// left at the trial configuration are small against those of the drag or those at the start.
+fn settle(model: &Model, state: &State, work: &mut Workspace, sigma: f64) -> bool {
+    let bounds = state.bounds(model);
+    let allowed = LEFT * LEFT * square(&work.balance.gradient, &work.balance.moment);
+    for _ in 0..MOST_SETTLING {
+        let Workspace { trial_balance, step, turn, .. } = &mut *work;
+        let mut left = 0.0;
+        let forces = trial_balance.gradient.iter().chain(&trial_balance.moment);
+        for (g, s) in forces.zip(step.iter().chain(&*turn)) {
+            left += (g + s * sigma).norm_squared();
+        }
+        if left <= allowed.max(LEFT * LEFT * sigma * sigma * square(step, turn)) {
+            return true;
+        }
+        std::mem::swap(&mut work.balance, &mut work.trial_balance);
+        work.assemble(model);
+        std::mem::swap(&mut work.balance, &mut work.trial_balance);
+        work.factorise();
+        if correct(work, sigma) == Inner::NegativeCurvature {
+            return false;
+        }
+        let Workspace { step, turn, first_step, first_turn, .. } = &mut *work;
+        for (d, s) in step.iter_mut().chain(turn).zip(first_step.iter().chain(&*first_turn)) {
+            *d += s;
+        }
+        work.try_step(model, state, &bounds, 1.0);
+    }
+    false
 }
 
 fn square(moves: &[Vec3], turns: &[Vec3]) -> f64 {
