@@ -1,5 +1,5 @@
 //! How often an increment ends where the gradient flow from its affine start ends: random strain
-//! increments of random small packs, each followed by the solver and by [`reference`](crate::reference).
+//! increments of random small packs, each followed by the solver and by `reference`.
 
 use graintwin::contact::Other;
 use graintwin::measure::contacts::Contacts;
@@ -17,8 +17,6 @@ use rand_pcg::Pcg64;
 use crate::packs::{GLASS, recipe, scene};
 use crate::reference;
 
-/// Packs for each stress.
-const PACKS: u64 = 40;
 /// Increments of each pack.
 const INCREMENTS: usize = 6;
 /// Confining stresses of the packs \[Pa\].
@@ -33,55 +31,46 @@ const APART: f64 = 0.01;
 /// Contacts weaker than this over the mean do not hold a grain in its place.
 const WEAK: f64 = 1e-3;
 
-/// Counts of one class of increments.
-#[derive(Clone, Copy, Default)]
-struct Count {
-    increments: u32,
-    same: u32,
+/// Counts of the increments of one size.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Tally {
+    /// Largest strain of an increment over the mean overlap strain.
+    pub(crate) share: f64,
+    /// Increments without an event, and those of them that ended where the flow does.
+    pub(crate) quiet: [u32; 2],
+    /// The same of increments with an event.
+    pub(crate) loud: [u32; 2],
+    /// Increments in which the solver followed the flow.
+    pub(crate) followed: u32,
+    /// Increments in which it found no equilibrium.
+    pub(crate) failed: u32,
 }
 
-/// Runs the comparison and prints its table.
-pub(crate) fn run() {
-    println!("| friction | strain / overlap strain | increments | followed | events | same, no event | same, event | failed |");
-    println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
-    for friction in [0.0, 0.3] {
-        let mut rows = [[Count::default(); 2]; 3];
-        let (mut followed, mut failed) = ([0; 3], [0; 3]);
-        for seed in 1..=PACKS {
-            for (k, stress) in STRESSES.into_iter().enumerate() {
-                let Some(mut case) = Case::new(seed, k as u64, stress, friction) else { continue };
-                for _ in 0..INCREMENTS {
-                    let Some(seen) = case.increment() else { break };
-                    let row = usize::from(seen.share > 0.01) + usize::from(seen.share > 0.05);
-                    followed[row] += u32::from(seen.followed);
-                    let Some(same) = seen.same else {
-                        failed[row] += 1;
-                        break;
-                    };
-                    let count = &mut rows[row][usize::from(seen.event)];
-                    count.increments += 1;
-                    count.same += u32::from(same);
-                    if !same {
-                        eprintln!("other end: seed {seed} stress {stress:.0e} friction {friction} {seen:?}");
-                    }
+/// Compares the increments of `packs` packs at each stress, by their size.
+pub(crate) fn tally(packs: u64, friction: f64) -> [Tally; 3] {
+    let mut tallies = [0.01, 0.05, 0.2].map(|share| Tally { share, ..Tally::default() });
+    for seed in 1..=packs {
+        for (k, stress) in STRESSES.into_iter().enumerate() {
+            let Some(mut case) = Case::new(seed, k as u64, stress, friction) else { continue };
+            for _ in 0..INCREMENTS {
+                let Some(seen) = case.increment() else { break };
+                let row = usize::from(seen.share > 0.01) + usize::from(seen.share > 0.05);
+                let tally = &mut tallies[row];
+                tally.followed += u32::from(seen.followed);
+                let Some(same) = seen.same else {
+                    tally.failed += 1;
+                    break;
+                };
+                let count = if seen.event { &mut tally.loud } else { &mut tally.quiet };
+                count[0] += 1;
+                count[1] += u32::from(same);
+                if !same {
+                    eprintln!("seed {seed}, {stress:.0e} Pa, friction {friction}: {seen:?}");
                 }
             }
         }
-        for (row, share) in [0.01, 0.05, 0.2].into_iter().enumerate() {
-            let [quiet, loud] = rows[row];
-            println!(
-                "| {friction} | {share} | {} | {} | {} | {}/{} | {}/{} | {} |",
-                quiet.increments + loud.increments,
-                followed[row],
-                loud.increments,
-                quiet.same,
-                quiet.increments,
-                loud.same,
-                loud.increments,
-                failed[row],
-            );
-        }
     }
+    tallies
 }
 
 /// A small pack on its way.

@@ -14,6 +14,8 @@ mod packs;
 mod reference;
 mod scenes;
 
+use agreement::Tally;
+
 fn main() {
     let only = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
@@ -22,7 +24,25 @@ fn main() {
             scenes::run(only.as_deref());
         }
         if only.as_deref().is_none_or(|only| only == "agreement") {
-            agreement::run();
+            agree();
         }
     });
+}
+
+/// Packs for each stress in the table of agreement.
+const PACKS: u64 = 40;
+
+fn agree() {
+    println!("| friction | strain / overlap strain | increments | followed | events | same, no event | same, event | failed |");
+    println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
+    for friction in [0.0, 0.3] {
+        for tally in agreement::tally(PACKS, friction) {
+            let Tally { share, quiet, loud, followed, failed } = tally;
+            let all = quiet[0] + loud[0];
+            println!(
+                "| {friction} | {share} | {all} | {followed} | {} | {}/{} | {}/{} | {failed} |",
+                loud[0], quiet[1], quiet[0], loud[1], loud[0],
+            );
+        }
+    }
 }
