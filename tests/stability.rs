@@ -1,6 +1,10 @@
 //! Hard scenes: every increment converges, or is sub-stepped until it does, or is an event that was
 //! followed downhill. The suite with its table is `cargo bench --bench stability`.
-#![allow(clippy::unwrap_used, clippy::print_stderr, reason = "a test that fails may panic and say why")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stderr,
+    reason = "a test that fails may panic and say why"
+)]
 
 #[path = "../benches/stability/agreement.rs"]
 mod agreement;
@@ -42,14 +46,17 @@ fn increments_end_where_the_gradient_flow_ends() {
             assert_eq!(loud[1], loud[0], "with an event, friction {friction}, share {share}");
             // At four times the largest step that the program takes, friction leaves a choice.
             let allowed = if friction > 0.0 && share > 0.05 { 1 } else { 0 };
-            assert!(quiet[0] - quiet[1] <= allowed, "friction {friction}, share {share}: {quiet:?}");
+            assert!(
+                quiet[0] - quiet[1] <= allowed,
+                "friction {friction}, share {share}: {quiet:?}"
+            );
         }
     }
 }
 
 #[test]
 fn an_instability_is_reported_with_the_grains_that_jumped() {
-    let hard = hard::near_jamming(150, 0.0, 2e5, 1e-4, 10);
+    let hard = hard::near_jamming(300, 0.0, 2e5, 1e-4, 10);
     let (mut rig, _) = Rig::start(&hard.scene, &hard.pack);
     let mut events = 0;
     for target in &hard.path {
@@ -60,14 +67,19 @@ fn an_instability_is_reported_with_the_grains_that_jumped() {
         let Some(event) = measures.events.last() else { continue };
         events += measures.events.len();
         assert_eq!(event.grains.len(), event.displacement.len());
-        assert!(event.grains.is_sorted() && event.grains.iter().all(|&grain| grain < 150));
+        assert!(event.grains.is_sorted() && event.grains.iter().all(|&grain| grain < 300));
         let network = measures.network.as_ref().unwrap();
         let overlap = network.overlap.iter().sum::<f64>() / network.overlap.len() as f64;
         // Where sub-steps followed the event the overlap is no longer what it was then.
         assert!(event.displacement.iter().all(|&moved| moved > 0.5 * overlap));
         if report.substeps == 1 {
             let stress = state(&measures).stress_contacts;
-            packs::close("stress after", event.stress_after, (stress[0] + stress[4] + stress[8]) / 3.0, 1e-6);
+            packs::close(
+                "stress after",
+                event.stress_after,
+                (stress[0] + stress[4] + stress[8]) / 3.0,
+                1e-6,
+            );
         }
     }
     assert!(events > 0, "the path had no event");
@@ -125,7 +137,8 @@ fn crystals_are_pressed() {
 
 #[test]
 fn a_grain_passes_a_constriction() {
-    with_and_without_friction(|friction| hard::constriction(friction, 60));
+    let seen = all_applied(&hard::constriction(0.0, 60));
+    assert!(seen.events > 0, "it snapped through without an event");
 }
 
 #[test]

@@ -33,7 +33,9 @@ fn main() {
 const PACKS: u64 = 40;
 
 fn agree() {
-    println!("| friction | strain / overlap strain | increments | followed | events | same, no event | same, event | failed |");
+    println!(
+        "| friction | strain / overlap strain | increments | followed | events | same, no event | same, event | failed |"
+    );
     println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
     for friction in [0.0, 0.3] {
         for tally in agreement::tally(PACKS, friction) {

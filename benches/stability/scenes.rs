@@ -7,12 +7,14 @@ use crate::hard::{self, Hard, Seen, apart, nudged, scaled};
 /// Grains of the packs that are made.
 const GRAINS: usize = 300;
 /// Grains of the pack that yields all the time.
-const FEWER: usize = 100;
+const FEWER: usize = 40;
 
 /// Runs every scene whose name contains `only` and prints the table.
 pub(crate) fn run(only: Option<&str>) {
     let mut refusals = Vec::new();
-    println!("| scene | friction | increments | applied | sub-steps | worst residual | events | worst ms | the program says |");
+    println!(
+        "| scene | friction | increments | applied | sub-steps | worst residual | events | worst ms | the program says |"
+    );
     println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- |");
     for friction in [0.0, 0.3] {
         for make in makers() {
@@ -22,7 +24,8 @@ pub(crate) fn run(only: Option<&str>) {
             }
             let (seen, worst) = timed(&hard);
             row(&hard.name, friction, &seen, worst, &seen.said);
-            refusals.extend(seen.refused.iter().map(|why| format!("{}, {friction}: {why}", hard.name)));
+            refusals
+                .extend(seen.refused.iter().map(|why| format!("{}, {friction}: {why}", hard.name)));
         }
         if only.is_none_or(|only| only == "units") {
             units(friction);
@@ -74,7 +77,13 @@ fn units(friction: f64) {
     }
     let (seen, worst) = timed(&nudged(&base));
     let off = apart(&here, &seen, 1.0);
-    row("one ulp in every coordinate", friction, &seen, worst, &format!("wall forces apart by {off:.0e}"));
+    row(
+        "one ulp in every coordinate",
+        friction,
+        &seen,
+        worst,
+        &format!("wall forces apart by {off:.0e}"),
+    );
 }
 
 fn row(name: &str, friction: f64, seen: &Seen, worst: f64, says: &str) {

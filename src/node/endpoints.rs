@@ -10,8 +10,8 @@ use serde::Serialize;
 
 use super::NodeError;
 use crate::msg::{
-    BoundaryCommand, ContactNetwork, Event, JointState, Moduli, PackState, Report, Topic, WallForces,
-    WrenchStamped, topics,
+    BoundaryCommand, ContactNetwork, Event, JointState, Moduli, PackState, Report, Topic,
+    WallForces, WrenchStamped, topics,
 };
 use crate::wall;
 

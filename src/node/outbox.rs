@@ -13,7 +13,9 @@ use tokio::time::{Instant, timeout};
 use super::counters::Counters;
 use super::endpoints::Endpoints;
 use super::frames::{Frame, Frames};
-use crate::msg::{Event, JointState, Moduli, PackState, Report, WallForces, WrenchStamped, convert};
+use crate::msg::{
+    Event, JointState, Moduli, PackState, Report, WallForces, WrenchStamped, convert,
+};
 use crate::report::Demand;
 use crate::scene::{ModuliKind, Outputs, When};
 use crate::sink::{Served, Sink};

@@ -13,8 +13,8 @@ use crate::command::Stamp;
 use crate::msg::cdr::{self, CdrError};
 use crate::msg::topics::{self, Topic};
 use crate::msg::{
-    BoundaryCommand, ContactNetwork, Described, Event, JointState, Moduli, PackState, Report, WallForces,
-    WrenchStamped, convert,
+    BoundaryCommand, ContactNetwork, Described, Event, JointState, Moduli, PackState, Report,
+    WallForces, WrenchStamped, convert,
 };
 use crate::report::Measures;
 use crate::scene::{self, Compression};

@@ -17,6 +17,8 @@ use crate::state::State;
 
 /// Largest correction of a grain's step, but for the part along the flow, over the mean overlap.
 const ERROR: f64 = 0.2;
+/// What a grain's correction may be beyond that over the way that it has come.
+const TRAVEL: f64 = 0.02;
 /// Correction of the whole step over the step beyond which the implicit step is solved for.
 const SHARE: f64 = 0.5;
 /// Forces that may be left then, and iterations that it may take.
@@ -128,12 +130,13 @@ impl Flow {
         if self.shift < ABOVE.0 * negative {
             return Err(Refused(ABOVE.1 * negative));
         }
-        let drag = sigma * (square / self::square(&work.balance.gradient, &work.balance.moment)).sqrt();
+        let drag =
+            sigma * (square / self::square(&work.balance.gradient, &work.balance.moment)).sqrt();
         work.try_step(model, state, &bounds, 1.0);
         if correct(work, sigma) == Inner::NegativeCurvature {
             return Err(Refused(STIFFEN * self.shift));
         }
-        let (error, share) = take_correction(model, work);
+        let (error, share) = take_correction(model, state, work);
         if error.is_nan() || share.is_nan() {
             return Err(Refused(STIFFEN * self.shift));
         }
@@ -179,22 +182,25 @@ fn correct(work: &mut Workspace, sigma: f64) -> Inner {
 /// Adds the step to its correction, both in `step` then; says how large the correction was of a
 /// grain, over what is allowed, and of the whole step, over the step. Along the flow it only tells
 /// when the pack comes by, not where.
-fn take_correction(model: &Model, work: &mut Workspace) -> (f64, f64) {
+fn take_correction(model: &Model, state: &State, work: &mut Workspace) -> (f64, f64) {
     let overlap = match work.balance.sums.contacts {
         0 => 0.1 * model.mean_radius,
         _ => work.balance.sums.mean_overlap(),
     };
-    let Workspace { step, turn, first_step, first_turn, .. } = work;
-    let firsts = first_step.iter().chain(&*first_turn);
-    let along: f64 = step.iter().chain(&*turn).zip(firsts.clone()).map(|(d, s)| d.dot(s)).sum();
+    let Workspace { step, turn, first_step, first_turn, origin, .. } = work;
     let length = square(first_step, first_turn);
     let share = (square(step, turn) / length).sqrt();
-    let mut across = 0.0_f64;
-    for (d, s) in step.iter_mut().chain(turn).zip(firsts) {
-        across = across.max((*d - s * (along / length)).norm_squared());
+    let all = || step.iter().chain(&*turn).zip(first_step.iter().chain(&*first_turn));
+    let along = all().map(|(d, s)| d.dot(s)).sum::<f64>() / length;
+    let far = state.position.iter().zip(&origin.position).map(|(at, from)| (at - from).norm());
+    let mut error = 0.0_f64;
+    for ((d, s), far) in all().zip(far.clone().chain(far)) {
+        error = error.max((d - s * along).norm() / (ERROR * overlap + TRAVEL * far));
+    }
+    for (d, s) in step.iter_mut().zip(&*first_step).chain(turn.iter_mut().zip(&*first_turn)) {
         *d += s;
     }
-    (across.sqrt() / (ERROR * overlap), share)
+    (error, share)
 }
 
 /// Newton's method for the implicit step from the one that was tried, which was corrected by more

@@ -148,7 +148,7 @@ fn step(
         let inner = work.solve(largest, forcing, MOST_PRODUCTS);
         if inner == Inner::NegativeCurvature {
             work.concave = true;
-            if work.follows && work.reference.active {
+            if work.strict {
                 return None;
             }
             let concave = |i: usize| work.reference.active && work.coupled.curvature(i) < 0.0;

@@ -4,9 +4,7 @@ use graintwin::command::Disposition;
 use graintwin::pack::generate::{compact, generate};
 use graintwin::pack::{Grain, Pack};
 use graintwin::report::Demand;
-use graintwin::scene::{
-    Coulomb, Friction, Generate, Law, Radius, Scene, Solver, Update, Walls,
-};
+use graintwin::scene::{Coulomb, Friction, Generate, Law, Radius, Scene, Solver, Update, Walls};
 use graintwin::wall::{self, Bounds};
 
 use crate::packs::{GLASS, Rig, bead, by_strain, centered, made, recipe, scene};
@@ -159,14 +157,17 @@ pub(crate) fn large_strain(grains: usize, friction: f64, parts: u32) -> Hard {
 pub(crate) fn cycles(grains: usize, friction: f64, increments: usize) -> Hard {
     let up = through(&[[0.0, 0.0, 1e-4], [0.0; 3]], 5);
     let strains: Vec<[f64; 3]> = up.into_iter().cycle().take(increments).collect();
-    Hard::new(&format!("{increments} increments of a cycle"), friction, made(grains, 1e6, 8), &strains)
+    Hard::new(
+        &format!("{increments} increments of a cycle"),
+        friction,
+        made(grains, 1e6, 8),
+        &strains,
+    )
 }
 
 /// A grain pushed through the gap between two columns of others, which is narrower than the grain.
 pub(crate) fn constriction(friction: f64, parts: u32) -> Hard {
-    let mm = |position: [f64; 3], radius: f64| {
-        bead(position.map(|x| x * 1e-3), radius * 1e-3)
-    };
+    let mm = |position: [f64; 3], radius: f64| bead(position.map(|x| x * 1e-3), radius * 1e-3);
     let (column, passing) = (0.8, 1.0);
     // The passing grain overlaps 2 % at the narrowest.
     let x = 0.98 * (column + passing);
@@ -194,9 +195,8 @@ pub(crate) fn constriction(friction: f64, parts: u32) -> Hard {
 pub(crate) fn few(count: usize, friction: f64) -> Hard {
     let radius = 1e-3;
     let half = count as f64 * radius;
-    let grains: Vec<Grain> = (0..count)
-        .map(|k| bead([0.0, 0.0, -half + (2 * k + 1) as f64 * radius], radius))
-        .collect();
+    let grains: Vec<Grain> =
+        (0..count).map(|k| bead([0.0, 0.0, -half + (2 * k + 1) as f64 * radius], radius)).collect();
     let pack = Pack { bounds: centered([2e-3, 2e-3, 2.0 * half]), grains, history: None };
     let strains = through(&[[1e-4, 1e-4, 1e-3], [-1e-3; 3], [0.0, 0.0, 1e-3]], 10);
     Hard::new(&format!("{count} grains in a row"), friction, pack, &strains)

@@ -4,7 +4,9 @@ use std::array::from_fn;
 use std::sync::Arc;
 
 use graintwin::command::{Command, Disposition, Mode, Stamp};
-use graintwin::report::{ContactNetwork, Demand, Event, EventKind, Measures, Moduli, PackState, Report, WallForces};
+use graintwin::report::{
+    ContactNetwork, Demand, Event, EventKind, Measures, Moduli, PackState, Report, WallForces,
+};
 use graintwin::sink::Served;
 
 /// Answers commands as a twin does, at once.
