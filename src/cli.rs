@@ -1,5 +1,7 @@
 //! The command line. Results go to stdout, everything else to stderr.
 
+#[cfg(unix)]
+mod bench;
 mod check;
 mod completions;
 mod failure;
@@ -71,6 +73,8 @@ enum Verb {
     Check(check::Args),
     #[cfg(feature = "mcap")]
     Plot(plot::Args),
+    #[cfg(unix)]
+    Bench(bench::Args),
     Completions(completions::Args),
 }
 
@@ -100,6 +104,8 @@ pub(crate) fn run(cli: &Cli) -> Result<Outcome, Failure> {
         Verb::Check(args) => check::run(args, cli),
         #[cfg(feature = "mcap")]
         Verb::Plot(args) => plot::run(args),
+        #[cfg(unix)]
+        Verb::Bench(args) => bench::run(args, cli, &bars),
         Verb::Completions(args) => completions::run(args),
     }
 }

@@ -47,8 +47,10 @@
 //! ```
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+pub mod bench;
 pub mod command;
 pub mod contact;
+mod heap;
 pub mod measure;
 pub mod model;
 pub mod msg;

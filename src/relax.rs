@@ -3,35 +3,48 @@
 //! [`advance`](advance::advance) moves the walls in sub-increments and calls [`relax`] after each.
 //! That leaves out the grains that cannot carry load ([`rattlers`]), minimises the energy of the
 //! others by [`newton`], and where that runs into an instability follows the grains downhill as
-//! overdamped motion would take them ([`flow`]) and notes who jumped ([`jump`]).
+//! overdamped motion would take them ([`flow`]) and notes who jumped ([`jump`]). The methods of
+//! the seeds take the place of [`newton`] where the scene asks for one: `conjugate_gradient`,
+//! `gauss_seidel` and `dynamic`.
 
 pub mod advance;
 pub mod balance;
 mod block;
+mod conjugate_gradient;
 pub mod coupled;
+mod dynamic;
 pub mod fire;
 pub mod flow;
+mod gauss_seidel;
 pub mod jump;
 pub mod lanes;
 pub mod linear;
 pub mod newton;
 pub mod rattlers;
+mod rows;
 mod split;
+mod sticking;
 mod sym3;
 mod sym6;
 pub mod tangential;
+mod verdict;
 
 use crate::Vec3;
 use crate::contact::hertz;
 use crate::contact::neighbours::Neighbours;
+use crate::heap;
 use crate::model::Model;
+use crate::scene::Method;
 use crate::state::{Memory, State};
 use crate::wall::Bounds;
 use balance::{Balance, Configuration, Sums};
 use coupled::Coupled;
+use dynamic::Inertia;
 use flow::Flow;
+use gauss_seidel::Sweeper;
 use jump::{Jump, Pose, Watch};
 use linear::{Inner, Linear};
+use newton::Solved;
 use rattlers::Rattlers;
 use tangential::{Changes, Reference};
 
@@ -40,7 +53,7 @@ const ROUNDS: u32 = 40;
 
 /// Longest Newton step with friction over the mean overlap: beyond it the contacts that slide are
 /// others.
-const FRICTIONAL_CAP: f64 = 0.1;
+const FRICTIONAL_CAP: f64 = 0.03;
 
 /// Legs of the flow, each until the drag takes less of the unbalanced force than before.
 const LEGS: u32 = 10;
@@ -79,7 +92,7 @@ pub struct Outcome {
     pub status: Status,
     /// Largest unbalanced force of a grain over the mean contact force.
     pub residual: f64,
-    /// Newton steps.
+    /// Steps of the method.
     pub iterations: u32,
     /// Legs of the flow from a configuration that was unstable.
     pub descents: u32,
@@ -101,7 +114,7 @@ impl Outcome {
 /// What the work is counted in, on any machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Effort {
-    /// Evaluations of the balance: energy and gradient.
+    /// Evaluations of the balance: energy and gradient. A sweep grain by grain counts as one.
     pub gradients: u64,
     /// Products of the linearised balance with a vector.
     pub products: u64,
@@ -155,6 +168,8 @@ pub struct Workspace {
     /// For the memory that is being written.
     memory: Memory,
     rattlers: Rattlers,
+    sweeper: Sweeper,
+    inertia: Inertia,
     negligible_force: f64,
 }
 
@@ -174,7 +189,7 @@ impl Workspace {
             step_cap: if model.friction.is_some() { FRICTIONAL_CAP } else { 1.0 },
             follows: true,
             jumps: Vec::new(),
-            shift: Vec::with_capacity(model.len()),
+            shift: vec![0.0; model.len()],
             first_shift: Vec::with_capacity(model.len()),
             support: Vec::new(),
             step: Vec::with_capacity(model.len()),
@@ -190,6 +205,8 @@ impl Workspace {
             trial_balance: Balance::default(),
             memory: Memory::default(),
             rattlers: Rattlers::default(),
+            sweeper: Sweeper::default(),
+            inertia: Inertia::default(),
             negligible_force: model.negligible_force(),
         }
     }
@@ -198,9 +215,31 @@ impl Workspace {
     #[must_use]
     pub fn effort(&self) -> Effort {
         Effort {
-            gradients: self.balance.evaluations + self.trial_balance.evaluations,
+            gradients: self.balance.evaluations
+                + self.trial_balance.evaluations
+                + self.sweeper.sweeps,
             products: self.linear.products + self.coupled.products,
         }
+    }
+
+    /// Memory that its lists hold \[bytes\].
+    #[must_use]
+    pub fn heap_bytes(&self) -> usize {
+        let single = heap::bytes(&self.shift) + heap::bytes(&self.first_shift);
+        let vectors = [&self.step, &self.turn, &self.trial, &self.trial_rotation, &self.velocity];
+        self.neighbours.heap_bytes()
+            + self.balance.heap_bytes()
+            + self.trial_balance.heap_bytes()
+            + self.reference.heap_bytes()
+            + self.linear.heap_bytes()
+            + self.coupled.heap_bytes()
+            + self.memory.heap_bytes()
+            + self.rattlers.heap_bytes()
+            + self.sweeper.heap_bytes()
+            + self.inertia.heap_bytes()
+            + single
+            + heap::bytes(&self.support)
+            + vectors.into_iter().map(heap::bytes).sum::<usize>()
     }
 
     /// Evaluates the balance of `state` in the box `bounds`.
@@ -243,7 +282,7 @@ impl Workspace {
     }
 
     /// Takes the linearisation of the balance.
-    fn assemble(&mut self, model: &Model) {
+    pub fn assemble(&mut self, model: &Model) {
         match self.reference.active {
             false => self.linear.assemble(&self.balance, &self.neighbours),
             true => self.coupled.assemble(
@@ -264,8 +303,10 @@ impl Workspace {
         }
     }
 
-    /// Solves for the step, with the shifts as they are; `largest` \[N\] scales it.
-    fn solve(&mut self, largest: f64, forcing: f64, most: u32) -> Inner {
+    /// Solves for the step in at most `most` products after [`assemble`](Self::assemble), with the
+    /// shifts as they are, until the preconditioned residual fell by `forcing`; `largest` \[N\]
+    /// scales it.
+    pub fn solve(&mut self, largest: f64, forcing: f64, most: u32) -> Inner {
         self.factorise();
         let balance = std::mem::take(&mut self.balance);
         let inner = self.solve_again(&balance, largest, forcing, most);
@@ -340,9 +381,11 @@ impl Workspace {
 pub fn relax(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
     work.origin.copy(state);
     work.strict = work.follows && work.reference.active;
-    let mut outcome = newton(model, state, work);
+    let mut outcome = carrying(model, state, work);
     work.strict = false;
-    if !matches!(outcome.status, Status::Unstable | Status::Stalled) {
+    let descends = model.solver.method == Method::Newton;
+    if !descends || !matches!(outcome.status, Status::Unstable | Status::Stalled) {
+        // The other methods descend step by step of their own accord.
         return outcome;
     }
     let mut flow = Flow::new();
@@ -361,7 +404,7 @@ pub fn relax(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome 
         share *= 0.3;
         work.origin.copy(state);
         let iterations = outcome.iterations;
-        outcome = newton(model, state, work);
+        outcome = carrying(model, state, work);
         outcome.iterations += iterations;
         outcome.descents = leg;
         if !matches!(outcome.status, Status::Unstable | Status::Stalled) {
@@ -374,13 +417,23 @@ pub fn relax(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome 
     outcome
 }
 
-/// Relaxes by Newton's method alone.
-fn newton(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
+/// Relaxes the grains that carry load by the scene's method alone.
+fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
+    match model.solver.method {
+        Method::Newton => newton::solve(model, state, work),
+        Method::ConjugateGradient => conjugate_gradient::solve(model, state, work),
+        Method::GaussSeidel => gauss_seidel::solve(model, state, work),
+        Method::Dynamic => dynamic::solve(model, state, work),
+    }
+}
+
+/// Relaxes by the scene's method alone, the floating grains beside those that carry.
+fn carrying(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
     let (mut iterations, mut round) = (0, 0);
     work.concave = false;
     rattlers::find(model, state, work);
     loop {
-        let solved = newton::solve(model, state, work);
+        let solved = solve(model, state, work);
         iterations += solved.iterations;
         let (residual, sums) = (solved.residual, work.balance.sums);
         let outcome = |status| Outcome { status, residual, iterations, sums, descents: 0 };

@@ -156,7 +156,7 @@ pub struct PackState {
     pub contacts: u32,
     /// Grains that carry no load.
     pub rattlers: u32,
-    /// Newton steps of the increment.
+    /// Steps of the solver's method in the increment.
     pub iterations: u32,
     /// Residual of the equilibrium, relative to the mean contact force.
     pub residual: f64,

@@ -2,6 +2,7 @@
 
 use crate::Vec3;
 use crate::contact::Other;
+use crate::heap;
 use crate::model::Model;
 use crate::pack::{self, History, Layer};
 use crate::wall::{self, Bounds};
@@ -78,6 +79,11 @@ impl Memory {
     pub fn clear(&mut self) {
         self.contacts.clear();
         self.layers.clear();
+    }
+
+    /// Memory that its lists hold \[bytes\].
+    pub(crate) fn heap_bytes(&self) -> usize {
+        heap::bytes(&self.contacts) + heap::bytes(&self.layers)
     }
 
     fn copy_from(&mut self, other: &Self) {
@@ -177,6 +183,15 @@ impl State {
         }
         contacts.sort_unstable_by_key(|memory| (memory.first, memory.second));
         Some(History { rotation, contacts })
+    }
+
+    /// Memory that its lists hold \[bytes\].
+    #[must_use]
+    pub fn heap_bytes(&self) -> usize {
+        heap::bytes(&self.position)
+            + heap::bytes(&self.rotation)
+            + heap::bytes(&self.carries)
+            + self.memory.heap_bytes()
     }
 
     /// The box now.

@@ -11,7 +11,7 @@ use crate::model::{Model, sphere_volume};
 use crate::pack::{Grain, Pack};
 use crate::relax::advance::{Advance, advance};
 use crate::relax::jump::Jump;
-use crate::relax::{Outcome, Status, Workspace, relax};
+use crate::relax::{Effort, Outcome, Status, Workspace, relax};
 use crate::report::{Demand, Event, EventKind, Measures, Moduli, PackState, Report};
 use crate::scene::Scene;
 use crate::state::State;
@@ -121,7 +121,7 @@ impl Twin {
             (Status::Unjammed, _) => UNJAMMED.into(),
             (_, 0) => String::new(),
             (_, steps) => {
-                format!("the pack was not in equilibrium: relaxed in {steps} Newton steps")
+                format!("the pack was not in equilibrium: relaxed in {steps} iterations")
             }
         };
         report.substeps = u32::from(outcome.iterations > 0);
@@ -200,7 +200,7 @@ impl Twin {
         let residual = outcome.residual;
         match outcome.status {
             Status::MaxIterations => format!(
-                "no equilibrium in {} Newton steps: residual {residual:.1e}, {tolerance:.1e} asked",
+                "no equilibrium in {} iterations: residual {residual:.1e}, {tolerance:.1e} asked",
                 outcome.iterations
             ),
             Status::Unstable => format!(
@@ -289,6 +289,18 @@ impl Twin {
         }
     }
 
+    /// The work done since the start.
+    #[must_use]
+    pub fn effort(&self) -> Effort {
+        self.work.effort()
+    }
+
+    /// Memory that state and scratch hold \[bytes\].
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        self.state.heap_bytes() + self.work.heap_bytes()
+    }
+
     /// Histograms of the coordination number now (T fig. 2.6).
     pub fn coordination(&mut self) -> Histograms {
         let Self { model, state, work, .. } = self;
@@ -325,11 +337,13 @@ fn join(first: &str, second: &str) -> String {
 
 /// One sentence about a jump.
 fn tell(jump: &Jump) -> String {
+    let grains = match jump.grains.len() {
+        1 => "1 grain".into(),
+        many => format!("{many} grains"),
+    };
     format!(
-        "unstable on the way: {} grains jumped, confining stress from {:.4e} to {:.4e} Pa",
-        jump.grains.len(),
-        jump.stress_before,
-        jump.stress_after
+        "unstable on the way: {grains} jumped, confining stress from {:.4e} to {:.4e} Pa",
+        jump.stress_before, jump.stress_after
     )
 }
 

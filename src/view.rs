@@ -1,4 +1,4 @@
-//! Charts of a recording, written as SVG.
+//! Charts of a recording and of a bench, written as SVG.
 //!
 //! [`Chart`] holds what is to be seen, [`Sheet`] lays charts out on a white card and writes them.
 //! What cannot be drawn (NaN, infinity, zero on a logarithmic axis) breaks a line; a series
@@ -13,6 +13,7 @@ mod history;
 mod layout;
 #[cfg(feature = "mcap")]
 mod panels;
+mod precision;
 mod scale;
 mod sheet;
 mod svg;
@@ -24,6 +25,7 @@ pub use chart::{Chart, Pattern, Series, Stroke};
 pub use history::{Forces, History, Load};
 #[cfg(feature = "mcap")]
 pub use panels::sheets;
+pub use precision::work_precision;
 pub use scale::{Axis, Kind};
 pub use sheet::Sheet;
 pub use ticks::Ticks;

@@ -401,7 +401,8 @@ fn wrong_form_is_named_with_line_column_field_and_what_is_allowed() {
         ),
         (
             "solver: {method: fire}",
-            "2:18: solver.method: unknown variant `fire`, expected one of newton",
+            "2:18: solver.method: unknown variant `fire`, expected one of newton, \
+             conjugate_gradient, gauss_seidel, dynamic",
         ),
         ("contact: {torsion: 1}", "2:20: contact.torsion: `1` is not true or false"),
         ("contact: {torsion: yes}", "2:20: contact.torsion: `yes` is not true or false"),
@@ -427,6 +428,8 @@ fn values_out_of_range_are_named_with_line_column_field_and_what_is_allowed() {
         ),
         ("solver: {max_overlap_share: 0}", "2:29: solver.max_overlap_share: 0.0 is outside 0 <"),
         ("solver: {max_iterations: 0}", "2:26: solver.max_iterations: 0 is outside 1 to"),
+        ("solver: {step_cap: 0}", "2:20: solver.step_cap: 0.0 is outside 1e-4 <="),
+        ("solver: {damping: 1}", "2:19: solver.damping: 1.0 is outside 0 < damping < 1"),
         (
             "materials: {m: {young: 0, poisson: 0.2, density: 1}}",
             "2:24: materials.m.young: 0.0 is outside young > 0 Pa",

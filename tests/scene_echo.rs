@@ -183,13 +183,22 @@ fn step() -> impl Strategy<Value = Step> {
 }
 
 fn solver() -> impl Strategy<Value = Solver> {
-    (-13.0..-2.0_f64, 1e-12..0.1, 1e-6..100.0, 1..1_000_000_u32).prop_map(
-        |(exponent, max_strain_increment, max_overlap_share, max_iterations)| Solver {
-            method: Method::Newton,
+    let method = prop::sample::select(vec![
+        Method::Newton,
+        Method::ConjugateGradient,
+        Method::GaussSeidel,
+        Method::Dynamic,
+    ]);
+    let steps = (prop::option::of(1..10_000_000_u32), 1e-4..0.5, 1e-9..0.999_f64);
+    (method, -13.0..-2.0_f64, 1e-12..0.1, 1e-6..100.0, steps).prop_map(
+        |(method, exponent, max_strain_increment, max_overlap_share, steps)| Solver {
+            method,
             tolerance: 10_f64.powf(exponent),
             max_strain_increment,
             max_overlap_share,
-            max_iterations,
+            max_iterations: steps.0,
+            step_cap: steps.1,
+            damping: steps.2,
         },
     )
 }

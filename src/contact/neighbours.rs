@@ -2,11 +2,16 @@
 
 use crate::Vec3;
 use crate::contact::hertz;
+use crate::heap;
 use crate::model::Model;
 use crate::wall::{self, Bounds};
 
-/// Skin over the mean radius.
+/// Skin over the mean radius: at first, and at least and at most.
 const SKIN: f64 = 0.2;
+const SKINS: (f64, f64) = (0.15, 0.5);
+/// A list that served fewer times than this gets a wider skin, one that served more often than
+/// that a narrower one. The skin does not change what is found in contact, nor in which order.
+const SERVICE: (u32, u32) = (30, 300);
 
 /// Pairs (i, j > i) and (i, wall) within the skin, in rows by i.
 #[derive(Clone, Debug, Default)]
@@ -27,6 +32,9 @@ pub struct Neighbours {
     made_at: Vec<Vec3>,
     /// Box when the list was made.
     made_in: Option<Bounds>,
+    /// Skin \[m\], and how often the list was looked at since it was made.
+    skin: f64,
+    served: u32,
     /// How often the list was made.
     pub rebuilds: u64,
     cells: Cells,
@@ -58,8 +66,7 @@ impl Neighbours {
         let scale = Vec3::from_fn(|axis, _| sides[axis] / made[axis]);
         let (low, made_low) = (Vec3::from(bounds.min), Vec3::from(made_in.min));
         let closest = scale.min().min(1.0);
-        let allowance =
-            closest * SKIN * model.mean_radius - (1.0 - closest) * 2.0 * model.max_radius;
+        let allowance = closest * self.skin - (1.0 - closest) * 2.0 * model.max_radius;
         if allowance <= 0.0 || scale.max() > 2.0 {
             return false;
         }
@@ -72,7 +79,15 @@ impl Neighbours {
 
     /// Makes the list anew for `position`.
     pub fn rebuild(&mut self, model: &Model, position: &[Vec3], bounds: &Bounds) {
-        let skin = SKIN * model.mean_radius;
+        let least = SKINS.0 * model.mean_radius;
+        self.skin = match self.served {
+            _ if self.made_in.is_none() => SKIN * model.mean_radius,
+            served if served < SERVICE.0 => (1.5 * self.skin).min(SKINS.1 * model.mean_radius),
+            served if served > SERVICE.1 => (0.7 * self.skin).max(least),
+            _ => self.skin.max(least),
+        };
+        self.served = 0;
+        let skin = self.skin;
         self.cells.sort(position, 2.0 * model.max_radius + skin);
         self.start.clear();
         self.second.clear();
@@ -116,9 +131,22 @@ impl Neighbours {
 
     /// Makes the list anew when it no longer [`holds`](Self::holds).
     pub fn refresh(&mut self, model: &Model, position: &[Vec3], bounds: &Bounds) {
-        if !self.holds(model, position, bounds) {
-            self.rebuild(model, position, bounds);
+        match self.holds(model, position, bounds) {
+            true => self.served += 1,
+            false => self.rebuild(model, position, bounds),
         }
+    }
+
+    /// Memory that its lists hold \[bytes\].
+    pub(crate) fn heap_bytes(&self) -> usize {
+        heap::bytes(&self.start)
+            + heap::bytes(&self.second)
+            + heap::bytes(&self.modulus)
+            + heap::bytes(&self.wall_start)
+            + heap::bytes(&self.walls)
+            + heap::bytes(&self.wall_modulus)
+            + heap::bytes(&self.made_at)
+            + self.cells.heap_bytes()
     }
 
     /// The entries of row `i` in `second`.
@@ -144,6 +172,11 @@ pub fn wall_gap(at: &Vec3, wall: usize, bounds: &Bounds) -> f64 {
 }
 
 impl Cells {
+    /// Memory that its lists hold \[bytes\].
+    fn heap_bytes(&self) -> usize {
+        heap::bytes(&self.start) + heap::bytes(&self.grains) + heap::bytes(&self.cell_of)
+    }
+
     /// Sorts `position` into cells no smaller than `reach`.
     fn sort(&mut self, position: &[Vec3], reach: f64) {
         let (mut low, mut high) = (Vec3::repeat(f64::MAX), Vec3::repeat(f64::MIN));

@@ -16,7 +16,7 @@ use crate::model::{Model, sphere_volume};
 use crate::pack::{Grain, Pack, properties};
 use crate::relax::fire::{self, Goal};
 use crate::relax::{Outcome, Status, Workspace, relax};
-use crate::scene::{Generate, Material, Solver, Walls};
+use crate::scene::{Generate, Material, Method, Solver, Walls};
 use crate::state::State;
 use crate::wall::Bounds;
 
@@ -144,7 +144,8 @@ struct Press {
 
 impl Press {
     fn new(pack: &Pack, walls: &Walls, solver: Solver) -> Self {
-        let solver = Solver { max_iterations: MOST_NEWTON_STEPS, ..solver };
+        let max_iterations = Some(MOST_NEWTON_STEPS);
+        let solver = Solver { method: Method::Newton, max_iterations, ..solver };
         let model = Model::with(pack, walls, [0.0; 3], solver, None);
         let work = Workspace::new(&model);
         Self { state: State::new(&model), work, walls: *walls, model }

@@ -5,8 +5,8 @@ use crate::measure::walls;
 use crate::model::Model;
 use crate::relax::jump::Jump;
 use crate::relax::tangential::Changes;
-use crate::relax::{Outcome, Status, Workspace, relax};
-use crate::scene::Update;
+use crate::relax::{Outcome, Status, Workspace, newton, relax};
+use crate::scene::{Method, Update};
 use crate::state::State;
 use crate::wall;
 
@@ -27,7 +27,7 @@ pub struct Advance {
     pub outcome: Outcome,
     /// Equilibria on the way, the last included.
     pub substeps: u32,
-    /// Newton steps of all relaxations.
+    /// Steps of the method of all relaxations.
     pub iterations: u32,
     /// Legs of the flow of all relaxations, each from a configuration that was unstable.
     pub descents: u32,
@@ -69,6 +69,10 @@ pub fn advance(
             work.begin(model, state);
             work.jumps.clear();
             move_walls(model, state, target, share);
+            // The seeds' methods begin where the walls take the grains.
+            if work.reference.active && model.solver.method == Method::Newton {
+                newton::predict(model, state, work);
+            }
             let outcome = solve(model, state, work);
             so_far.outcome = outcome;
             so_far.iterations += outcome.iterations;

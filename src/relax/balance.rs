@@ -5,12 +5,17 @@ use rayon::join;
 use crate::Vec3;
 use crate::contact::hertz;
 use crate::contact::neighbours::{Neighbours, wall_gap};
+use crate::heap;
 use crate::model::Model;
+use crate::relax::lanes::{Kernel, Lanes, dispatch};
 use crate::relax::tangential::{Pull, Reference, Traction};
 use crate::wall::{self, Bounds};
 
 /// Rows that are summed as one; the bits depend on it, the number of threads does not enter.
 const CHUNK: usize = 256;
+/// Contacts that are computed together, and how many of them a register may hold at most.
+const BATCH: usize = 128;
+const LANES: usize = 8;
 
 /// One grain-grain contact of the linearisation: K = m mᵀ - b I, in units of the reference stiffness.
 #[derive(Clone, Copy, Debug, Default)]
@@ -181,6 +186,19 @@ impl Balance {
         }
     }
 
+    /// Memory that its lists hold \[bytes\].
+    pub(crate) fn heap_bytes(&self) -> usize {
+        heap::bytes(&self.gradient)
+            + heap::bytes(&self.links)
+            + heap::bytes(&self.links_in_row)
+            + heap::bytes(&self.wall_stiffness)
+            + heap::bytes(&self.moment)
+            + heap::bytes(&self.tractions)
+            + heap::bytes(&self.pulls)
+            + heap::bytes(&self.pair_force)
+            + heap::bytes(&self.chunk_sums)
+    }
+
     /// Largest unbalanced force of a grain, or moment over radius \[N\].
     #[must_use]
     pub fn largest(&self) -> f64 {
@@ -227,72 +245,170 @@ impl Part<'_> {
     }
 
     fn fill_chunk(self, at: &Configuration<'_>) {
-        let Configuration { model, neighbours, position, .. } = *at;
+        dispatch(Fill { part: self, at });
+    }
+}
+
+/// Contacts whose forces are computed together, so that the compiler can put several in a register.
+struct Batch {
+    count: usize,
+    /// Row in the part, and second grain.
+    ends: [(u32, u32); BATCH],
+    /// r_ij \[m\], from j to i, along each axis.
+    branch: [[f64; BATCH]; 3],
+    /// |r_ij|² \[m²\].
+    square: [f64; BATCH],
+    /// Ri + Rj \[m\].
+    reach: [f64; BATCH],
+    /// M \[N/m^1.5\].
+    modulus: [f64; BATCH],
+    /// h \[m\].
+    overlap: [f64; BATCH],
+    /// P \[N\].
+    force: [f64; BATCH],
+    /// P/r \[N/m\].
+    bending: [f64; BATCH],
+    /// √(kn + P/r) / r in units of the reference stiffness.
+    root: [f64; BATCH],
+}
+
+impl Batch {
+    #[inline(always)]
+    fn new() -> Self {
+        let zeros = [0.0; BATCH];
+        Self {
+            count: 0,
+            ends: [(0, 0); BATCH],
+            branch: [zeros; 3],
+            square: [1.0; BATCH],
+            reach: zeros,
+            modulus: zeros,
+            overlap: zeros,
+            force: zeros,
+            bending: zeros,
+            root: zeros,
+        }
+    }
+
+    /// Forces and stiffnesses; `scale` is one over the reference stiffness. Entries beyond the
+    /// count are those of an earlier batch.
+    #[inline(always)]
+    fn press(&mut self, scale: f64) {
+        for k in 0..self.count.next_multiple_of(LANES).min(BATCH) {
+            let distance = self.square[k].sqrt();
+            let overlap = self.reach[k] - distance; // (2.4a)
+            let force = hertz::force(self.modulus[k], overlap);
+            let bending = force / distance;
+            let stiffness = hertz::stiffness(self.modulus[k], overlap);
+            self.overlap[k] = overlap;
+            self.force[k] = force;
+            self.bending[k] = bending;
+            self.root[k] = ((stiffness + bending) * scale).sqrt() / distance;
+        }
+    }
+}
+
+struct Fill<'a, 'b> {
+    part: Part<'a>,
+    at: &'a Configuration<'b>,
+}
+
+impl Kernel for Fill<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) {
+        let Self { mut part, at } = self;
+        let Configuration { model, neighbours, position, carries, .. } = *at;
         let scale = 1.0 / at.reference_stiffness;
-        let first_pair = neighbours.row(self.first_row).start;
         let mut sums = Sums::default();
-        for row in 0..self.gradient.len() {
-            let i = self.first_row + row;
-            let mut gradient = Vec3::zeros();
-            let mut walls = [0.0; 3];
-            let mut count = 0;
-            if at.carries[i] {
-                let (xi, ri) = (position[i], model.radius[i]);
-                let pairs = neighbours.row(i);
-                let place = pairs.start - first_pair;
-                for k in pairs {
-                    let j = neighbours.second[k] as usize;
-                    let branch = xi - position[j]; // r_ij, from j to i
-                    let reach = ri + model.radius[j];
-                    let distance2 = branch.norm_squared();
-                    if distance2 >= reach * reach || !at.carries[j] {
-                        continue;
-                    }
-                    let distance = distance2.sqrt();
-                    let overlap = reach - distance; // (2.4a)
-                    let force = hertz::force(neighbours.modulus[k], overlap);
-                    let stiffness = hertz::stiffness(neighbours.modulus[k], overlap);
+        let mut batch = Batch::new();
+        part.gradient.fill(Vec3::zeros());
+        part.links_in_row.fill(0);
+        for row in 0..part.gradient.len() {
+            let i = part.first_row + row;
+            part.wall_stiffness[row] = [0.0; 3];
+            if !carries[i] {
+                continue;
+            }
+            let (xi, ri) = (position[i], model.radius[i]);
+            for k in neighbours.row(i) {
+                let j = neighbours.second[k];
+                let branch = xi - position[j as usize]; // r_ij, from j to i
+                let reach = ri + model.radius[j as usize];
+                let square = branch.norm_squared();
+                if square >= reach * reach || !carries[j as usize] {
+                    continue;
+                }
+                let n = batch.count;
+                batch.ends[n] = (row as u32, j);
+                for axis in 0..3 {
+                    batch.branch[axis][n] = branch[axis];
+                }
+                batch.square[n] = square;
+                batch.reach[n] = reach;
+                batch.modulus[n] = neighbours.modulus[k];
+                batch.count = n + 1;
+                if batch.count == BATCH {
+                    part.empty(&mut batch, &mut sums, at, scale);
+                }
+            }
+            for &wall in neighbours.walls_near(i) {
+                let wall = usize::from(wall);
+                let overlap = ri - wall_gap(&xi, wall, at.bounds); // (2.4b)
+                if overlap > 0.0 {
+                    let modulus = neighbours.wall_modulus[i];
+                    let force = hertz::force(modulus, overlap);
                     sums.energy += hertz::energy(force, overlap);
                     sums.force += force;
                     sums.overlap += overlap;
                     sums.contacts += 1;
-                    let bending = force / distance;
-                    sums.bending += bending;
-                    let push = branch * bending;
-                    for axis in 0..3 {
-                        sums.virial[axis] += push[axis] * branch[axis];
-                    }
-                    gradient -= push;
-                    self.pair_force[place + count] = push;
-                    let m = ((stiffness + bending) * scale).sqrt() / distance;
-                    self.links[place + count] = Link {
-                        m: [0, 1, 2].map(|axis| (branch[axis] * m) as f32),
-                        b: (bending * scale) as f32,
-                        second: j as u32,
-                    };
-                    count += 1;
-                }
-                for &wall in neighbours.walls_near(i) {
-                    let wall = usize::from(wall);
-                    let overlap = ri - wall_gap(&xi, wall, at.bounds); // (2.4b)
-                    if overlap > 0.0 {
-                        let modulus = neighbours.wall_modulus[i];
-                        let force = hertz::force(modulus, overlap);
-                        sums.energy += hertz::energy(force, overlap);
-                        sums.force += force;
-                        sums.overlap += overlap;
-                        sums.contacts += 1;
-                        let axis = wall::axis(wall);
-                        sums.virial[axis] += force * (ri - overlap);
-                        gradient[axis] -= force * wall::inward(wall);
-                        walls[axis] += (hertz::stiffness(modulus, overlap) * scale) as f32;
-                    }
+                    let axis = wall::axis(wall);
+                    sums.virial[axis] += force * (ri - overlap);
+                    part.gradient[row][axis] -= force * wall::inward(wall);
+                    part.wall_stiffness[row][axis] +=
+                        (hertz::stiffness(modulus, overlap) * scale) as f32;
                 }
             }
-            self.gradient[row] = gradient;
-            self.links_in_row[row] = count as u32;
-            self.wall_stiffness[row] = walls;
         }
-        self.sums[0] = sums;
+        part.empty(&mut batch, &mut sums, at, scale);
+        part.sums[0] = sums;
+    }
+}
+
+impl Part<'_> {
+    /// Takes the contacts of `batch` into this part and its sums.
+    #[inline(always)]
+    fn empty(&mut self, batch: &mut Batch, sums: &mut Sums, at: &Configuration<'_>, scale: f64) {
+        batch.press(scale);
+        let first_pair = at.neighbours.row(self.first_row).start;
+        for n in 0..batch.count {
+            let (row, second) = batch.ends[n];
+            let row = row as usize;
+            let branch = Vec3::new(batch.branch[0][n], batch.branch[1][n], batch.branch[2][n]);
+            let (force, overlap, bending) = (batch.force[n], batch.overlap[n], batch.bending[n]);
+            sums.energy += hertz::energy(force, overlap);
+            sums.force += force;
+            sums.overlap += overlap;
+            sums.bending += bending;
+            let push = branch * bending;
+            for axis in 0..3 {
+                sums.virial[axis] += push[axis] * branch[axis];
+            }
+            self.gradient[row] -= push;
+            let count = &mut self.links_in_row[row];
+            let place =
+                at.neighbours.row(self.first_row + row).start - first_pair + *count as usize;
+            *count += 1;
+            self.pair_force[place] = push;
+            let m = branch * batch.root[n];
+            self.links[place] = Link {
+                m: [m.x as f32, m.y as f32, m.z as f32],
+                b: (bending * scale) as f32,
+                second,
+            };
+        }
+        sums.contacts += batch.count as u32;
+        batch.count = 0;
     }
 }

@@ -13,6 +13,7 @@ mod block6;
 mod joint;
 mod part;
 
+use crate::heap;
 use rayon::prelude::*;
 
 use crate::Vec3;
@@ -217,6 +218,18 @@ impl Coupled {
     /// more than none for grains without contacts.
     pub fn bending(&self) -> impl Iterator<Item = f32> {
         self.bending.iter().map(|b| b.max(NO_BENDING))
+    }
+
+    /// Memory that its lists hold \[bytes\].
+    pub(crate) fn heap_bytes(&self) -> usize {
+        heap::bytes(&self.joints)
+            + heap::bytes(&self.pairs)
+            + heap::bytes(&self.walls)
+            + heap::bytes(&self.bending)
+            + heap::bytes(&self.parts)
+            + self.split.heap_bytes()
+            + self.separator.heap_bytes()
+            + self.parts.iter().map(Part::heap_bytes).sum::<usize>()
     }
 
     /// The displacement and the rotation times radius \[m\] of grain `i`; `unit` is the force of

@@ -10,6 +10,7 @@
 
 mod part;
 
+use crate::heap;
 use rayon::prelude::*;
 
 use crate::Vec3;
@@ -144,6 +145,14 @@ impl Linear {
             rho = next;
         }
         Inner::Step
+    }
+
+    /// Memory that its lists hold \[bytes\].
+    pub(crate) fn heap_bytes(&self) -> usize {
+        heap::bytes(&self.parts)
+            + self.split.heap_bytes()
+            + self.separator.heap_bytes()
+            + self.parts.iter().map(Part::heap_bytes).sum::<usize>()
     }
 
     /// The step \[m\] of grain `i`; `unit` is the force of [`solve`](Self::solve) over the

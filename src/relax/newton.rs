@@ -18,10 +18,12 @@ const MOST_SHIFTED: [u32; 2] = [40, 150];
 const LEAP: f64 = 1.0;
 /// Steps between two looks for grains that nothing holds.
 const PATIENCE: u32 = 20;
-/// What whole steps divide the shifts by, without friction and with it.
-const RELIEF: [f32; 2] = [4.0, 8.0];
+/// What whole steps divide the shifts by, without friction; with it they drop them.
+const RELIEF: f32 = 4.0;
 /// Least shift of a grain that is held back over its first one, with friction.
-const HELD: f32 = 100.0;
+const HELD: f32 = 1000.0;
+/// Reduction of the residual of the step that takes contacts to stick.
+const PREDICTION: f64 = 0.1;
 /// Shifts tried in one step.
 const MOST_SHIFTS: u32 = 60;
 /// Most that one linear solve may take.
@@ -79,7 +81,7 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
             }
             extra += 1;
         }
-        if iterations >= model.solver.max_iterations {
+        if iterations >= model.solver.most_iterations() {
             return end(Status::MaxIterations);
         }
         iterations += 1;
@@ -111,6 +113,28 @@ fn leapt(model: &Model, state: &State, work: &Workspace) -> bool {
     let far = (LEAP * work.balance.sums.mean_overlap()).powi(2);
     let moved = |i: usize| (state.position[i] - work.origin.position[i]).norm_squared();
     (0..model.len()).any(|i| state.carries[i] && moved(i) > far)
+}
+
+/// Takes one step as if contacts that stuck would stick on: moving with the walls without turning
+/// makes grains slide that in truth roll, and it takes long to find out which.
+pub(super) fn predict(model: &Model, state: &mut State, work: &mut Workspace) {
+    work.reference.sticks = true;
+    work.evaluate(model, state, &state.bounds(model));
+    work.assemble(model);
+    work.reference.sticks = false;
+    work.shift.clear();
+    work.shift.resize(model.len(), 0.0);
+    let largest = work.balance.largest();
+    if largest == 0.0 || work.solve(largest, PREDICTION, MOST_PRODUCTS) != Inner::Step {
+        return;
+    }
+    let longest = work.balance.sums.mean_overlap();
+    for i in 0..model.len() {
+        let length = work.step[i].norm().max(work.turn[i].norm());
+        let share = if length > longest { longest / length } else { 1.0 };
+        state.position[i] += work.step[i] * share;
+        state.rotation[i] += work.turn[i] * (share / model.radius[i]);
+    }
 }
 
 /// Largest unbalanced force over the mean contact force; weights count where nothing touches.
@@ -176,12 +200,11 @@ fn step(
             }
             continue;
         };
-        let relief = RELIEF[usize::from(work.reference.active)];
         for (shift, first) in work.shift.iter_mut().zip(&work.first_shift) {
             *shift = match () {
                 () if !whole => *shift,
-                () if *shift <= *first => 0.0,
-                () => *shift / relief,
+                () if *shift <= *first || work.reference.active => 0.0,
+                () => *shift / RELIEF,
             };
         }
         return Some(shifted);
@@ -238,6 +261,6 @@ fn search(model: &Model, state: &mut State, work: &mut Workspace, bounds: &Bound
 }
 
 /// Sum of the squares of the unbalanced forces.
-fn square(balance: &Balance) -> f64 {
+pub(super) fn square(balance: &Balance) -> f64 {
     balance.gradient.iter().chain(&balance.moment).map(Vec3::norm_squared).sum()
 }

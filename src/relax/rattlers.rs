@@ -6,7 +6,9 @@ mod site;
 use crate::Vec3;
 use crate::contact::Other;
 use crate::contact::neighbours::{Neighbours, wall_gap};
+use crate::heap;
 use crate::model::Model;
+use crate::relax::rows::Rows;
 use crate::relax::{Workspace, newton};
 use crate::state::State;
 use crate::wall::Bounds;
@@ -35,46 +37,16 @@ pub fn weighs(model: &Model, i: usize, mean_force: f64) -> bool {
 /// Scratch of this module.
 #[derive(Clone, Debug, Default)]
 pub struct Rattlers {
-    /// Rows of every neighbour, both ways, for the grains that need it.
-    start: Vec<u32>,
-    near: Vec<(u32, f64)>,
+    /// Neighbours of the grains that need it, with Hertz' M.
+    near: Rows<(u32, f64)>,
     degree: Vec<u32>,
     stack: Vec<u32>,
 }
 
 impl Rattlers {
-    /// Lists the pairs both ways that satisfy `keep`, with Hertz' M.
-    fn list(&mut self, neighbours: &Neighbours, n: usize, keep: impl Fn(usize, usize) -> bool) {
-        self.start.clear();
-        self.start.resize(n + 1, 0);
-        let pairs = || {
-            (0..n).flat_map(|i| {
-                neighbours
-                    .row(i)
-                    .map(move |k| (i, neighbours.second[k] as usize, neighbours.modulus[k]))
-            })
-        };
-        for (i, j, _) in pairs().filter(|&(i, j, _)| keep(i, j)) {
-            self.start[i + 1] += 1;
-            self.start[j + 1] += 1;
-        }
-        for i in 0..n {
-            self.start[i + 1] += self.start[i];
-        }
-        self.near.clear();
-        self.near.resize(self.start[n] as usize, (0, 0.0));
-        self.degree.clear();
-        self.degree.resize(n, 0);
-        for (i, j, modulus) in pairs().filter(|&(i, j, _)| keep(i, j)) {
-            for (from, to) in [(i, j), (j, i)] {
-                self.near[(self.start[from] + self.degree[from]) as usize] = (to as u32, modulus);
-                self.degree[from] += 1;
-            }
-        }
-    }
-
-    fn row(&self, i: usize) -> &[(u32, f64)] {
-        &self.near[self.start[i] as usize..self.start[i + 1] as usize]
+    /// Memory that its lists hold \[bytes\].
+    pub(crate) fn heap_bytes(&self) -> usize {
+        self.near.heap_bytes() + heap::bytes(&self.degree) + heap::bytes(&self.stack)
     }
 }
 
@@ -92,7 +64,9 @@ pub fn find(model: &Model, state: &mut State, work: &mut Workspace) {
     work.neighbours.refresh(model, position, &bounds);
     let Workspace { neighbours, rattlers, reference, .. } = work;
     let least = FAINT * mean_overlap(model, position, &bounds, neighbours);
-    rattlers.list(neighbours, n, |i, j| overlap(model, position, i, j) > least);
+    rattlers.near.fill_pairs(neighbours, n, |i, j| overlap(model, position, i, j) > least);
+    rattlers.degree.clear();
+    rattlers.degree.extend_from_slice(rattlers.near.lengths());
     let holds = |i: u32, second: Other| u32::from(reference.holds(i, second, least));
     for (i, at) in position.iter().enumerate() {
         for &wall in neighbours.walls_near(i) {
@@ -120,8 +94,8 @@ pub fn find(model: &Model, state: &mut State, work: &mut Workspace) {
         }
     }
     while let Some(i) = rattlers.stack.pop() {
-        for k in rattlers.start[i as usize]..rattlers.start[i as usize + 1] {
-            let j = rattlers.near[k as usize].0 as usize;
+        for &(j, _) in rattlers.near.row(i as usize) {
+            let j = j as usize;
             rattlers.degree[j] -= 1 + holds(i, Other::Grain(j as u32));
             if state.carries[j] && rattlers.degree[j] < needed {
                 state.carries[j] = false;
@@ -169,7 +143,8 @@ pub fn settle(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
         neighbours.refresh(model, &state.position, &bounds);
         if listed != Some(neighbours.rebuilds) {
             let carries = &state.carries;
-            rattlers.list(neighbours, model.len(), |i, j| !carries[i] || !carries[j]);
+            let floats = |i: usize, j: usize| !carries[i] || !carries[j];
+            rattlers.near.fill_pairs(neighbours, model.len(), floats);
             listed = Some(neighbours.rebuilds);
         }
         let mut quiet = true;
@@ -179,7 +154,8 @@ pub fn settle(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
                 continue;
             }
             let heavy = weighs(model, i, mean);
-            let site = Site { model, neighbours, rattlers, bounds: &bounds, grain: i, heavy };
+            let near = rattlers.near.row(i);
+            let site = Site { model, neighbours, near, bounds: &bounds, grain: i, heavy };
             match site.settle(&mut state.position, open) {
                 Settled::Free => {}
                 Settled::Falling if falls < MOST_FALLS => falling = true,

@@ -5,6 +5,7 @@
 //! separator it keeps in rows of its own behind those of its grains, to be added up part by part:
 //! so the parts can be worked on at the same time, and the bits do not depend on who did it.
 
+use crate::heap;
 use crate::model;
 
 /// Where a grain stands.
@@ -39,6 +40,11 @@ pub(super) struct Split {
 }
 
 impl Split {
+    /// Memory that its lists hold \[bytes\].
+    pub(super) fn heap_bytes(&self) -> usize {
+        heap::bytes(&self.place) + heap::bytes(&self.rows) + heap::bytes(&self.late)
+    }
+
     /// Splits `n` grains that touch in `pairs`.
     pub(super) fn arrange(&mut self, n: usize, pairs: impl Iterator<Item = (u32, u32)>) {
         let parts = model::parts(n);

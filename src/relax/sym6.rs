@@ -15,6 +15,27 @@ pub(super) struct Sym6 {
 }
 
 impl Sym6 {
+    /// self += other.
+    pub(super) fn add(&mut self, other: &Self) {
+        self.u.add(&other.u);
+        self.w.add(&other.w);
+        for (row, other) in self.uw.iter_mut().zip(&other.uw) {
+            for (entry, other) in row.iter_mut().zip(other) {
+                *entry += other;
+            }
+        }
+    }
+
+    /// self times (u, w).
+    #[must_use]
+    pub(super) fn times(&self, [u, w]: [[f32; 3]; 2]) -> [[f32; 3]; 2] {
+        let own = |block: &Sym3, v: [f32; 3]| block.times(&[v[0], v[1], v[2], 0.0]);
+        let (uu, ww) = (own(&self.u, u), own(&self.w, w));
+        let row = |k: usize| (0..3).map(|c| self.uw[k][c] * w[c]).sum::<f32>();
+        let column = |k: usize| (0..3).map(|r| self.uw[r][k] * u[r]).sum::<f32>();
+        [[0, 1, 2].map(|k| uu[k] + row(k)), [0, 1, 2].map(|k| ww[k] + column(k))]
+    }
+
     /// The inverse of this block with `shift` on its diagonal. Where a pivot is below `floor`
     /// times the mean diagonal of its part the diagonal is lifted first, so that the inverse is
     /// positive definite.

@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use crate::Vec3;
 use crate::contact::Other;
 use crate::contact::neighbours::{Neighbours, wall_gap};
+use crate::heap;
 use crate::model::Model;
 use crate::pack::Layer;
 use crate::relax::balance::{Balance, Configuration};
@@ -22,7 +23,8 @@ use crate::state::{Remembered, State};
 
 pub use commit::Changes;
 pub use held::Held;
-use held::{Midway, Pair, Pose, wall_normal};
+pub(super) use held::Pose;
+use held::{Midway, Pair, wall_normal};
 
 /// Contacts that one task answers for, and that are answered for before their forces are added
 /// up; the bits do not depend on either.
@@ -54,14 +56,14 @@ pub struct Traction {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Pull {
     /// Q on grain i \[N\].
-    force: Vec3,
+    pub(super) force: Vec3,
     /// n̂ × Q \[N\].
-    lever: Vec3,
+    pub(super) lever: Vec3,
     /// Couple on grain i \[N m\].
-    couple: Vec3,
+    pub(super) couple: Vec3,
     /// Of shear and torsion \[J\].
     potential: f64,
-    arm: [f64; 2],
+    pub(super) arm: [f64; 2],
 }
 
 /// All contacts at the reference configuration; empty for a frictionless specimen.
@@ -75,6 +77,8 @@ pub struct Reference {
     rotation: Vec<Vec3>,
     /// Whether the specimen has friction.
     pub active: bool,
+    /// Whether contacts that stuck in the last increment are taken to stick whatever they carry.
+    pub(super) sticks: bool,
 }
 
 impl Reference {
@@ -136,6 +140,11 @@ impl Reference {
         }
     }
 
+    /// Memory that its lists hold \[bytes\].
+    pub(crate) fn heap_bytes(&self) -> usize {
+        heap::bytes(&self.contacts) + heap::bytes(&self.layers) + heap::bytes(&self.rotation)
+    }
+
     /// Whether the pair carried load at the reference by more than `least` \[m\] of overlap.
     #[must_use]
     pub fn holds(&self, first: u32, second: Other, least: f64) -> bool {
@@ -164,17 +173,7 @@ impl Reference {
             let tasks = tractions.par_chunks_mut(CHUNK).zip(pulls.par_chunks_mut(CHUNK));
             tasks.zip(contacts.par_chunks(CHUNK)).for_each(|((tractions, pulls), contacts)| {
                 for ((traction, pull), held) in tractions.iter_mut().zip(pulls).zip(contacts) {
-                    let other = match held.second {
-                        Other::Grain(j) => at.carries[j as usize],
-                        Other::Wall(_) => true,
-                    };
-                    (*traction, *pull) = match other && at.carries[held.first as usize] {
-                        true => {
-                            let motion = held.motion(&pose, &self.rotation);
-                            held.answer(&motion, friction.law, &self.layers).parts()
-                        }
-                        false => Default::default(),
-                    };
+                    (*traction, *pull) = self.answer(held, friction.law, &pose, at.carries);
                 }
             });
             for (held, pull) in contacts.iter().zip(&*pulls) {
@@ -192,6 +191,31 @@ impl Reference {
         for (moment, radius) in moment.iter_mut().zip(&model.radius) {
             *moment /= *radius;
         }
+    }
+
+    /// Answer of the contact `held` to the configuration `pose`; nothing where one of the bodies
+    /// takes no part.
+    #[inline(always)]
+    pub(super) fn answer(
+        &self,
+        held: &Held,
+        law: Law,
+        pose: &Pose<'_>,
+        carries: &[bool],
+    ) -> (Traction, Pull) {
+        let other = match held.second {
+            Other::Grain(j) => carries[j as usize],
+            Other::Wall(_) => true,
+        };
+        if !(other && carries[held.first as usize]) {
+            return Default::default();
+        }
+        let motion = held.motion(pose, &self.rotation);
+        match self.sticks && !held.carried.slides {
+            true => held.stick(&motion),
+            false => held.answer(&motion, law, &self.layers),
+        }
+        .parts()
     }
 
     /// Renews the limit with the overlaps of `state` and the stiffness with their mean with those

@@ -18,8 +18,15 @@ pub struct Solver {
     /// Largest strain between two equilibria, as a share of the mean overlap strain h/(2R), above 0
     /// and at most 100.
     pub max_overlap_share: f64,
-    /// Newton steps before an increment is given up, at least 1.
-    pub max_iterations: u32,
+    /// Steps of the method before an increment is given up, 1 to 10 million; without it as many as
+    /// [`Method::max_iterations`] says.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_iterations: Option<u32>,
+    /// Longest step of a grain over its radius, 1e-4 to 0.5; for all methods but Newton's, which
+    /// measures its steps in overlaps.
+    pub step_cap: f64,
+    /// Share of the unbalanced force that damps the motion of `dynamic`, above 0 and below 1.
+    pub damping: f64,
 }
 
 impl Default for Solver {
@@ -29,12 +36,20 @@ impl Default for Solver {
             tolerance: 1.0e-8,
             max_strain_increment: 1.0e-4,
             max_overlap_share: 0.05,
-            max_iterations: 500,
+            max_iterations: None,
+            step_cap: 1.0e-2,
+            damping: 0.7,
         }
     }
 }
 
 impl Solver {
+    /// Steps before an increment is given up.
+    #[must_use]
+    pub fn most_iterations(&self) -> u32 {
+        self.max_iterations.unwrap_or_else(|| self.method.max_iterations())
+    }
+
     pub(super) fn check(&self, at: &Field, problems: &mut Problems) {
         problems.number(
             at.key("tolerance"),
@@ -54,14 +69,56 @@ impl Solver {
             "0 < max_overlap_share <= 100",
             |share| 0.0 < share && share <= 100.0,
         );
-        problems.count(at.key("max_iterations"), u64::from(self.max_iterations), 1, 1_000_000);
+        if let Some(iterations) = self.max_iterations {
+            problems.count(at.key("max_iterations"), u64::from(iterations), 1, 10_000_000);
+        }
+        problems.number(at.key("step_cap"), self.step_cap, "1e-4 <= step_cap <= 0.5", |cap| {
+            (1e-4..=0.5).contains(&cap)
+        });
+        problems.number(at.key("damping"), self.damping, "0 < damping < 1", |damping| {
+            0.0 < damping && damping < 1.0
+        });
     }
 }
 
-/// Relaxation method.
+/// Relaxation method. All seek the same equilibrium to the same residual.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
     /// Newton steps, each solved by preconditioned conjugate gradients.
     Newton,
+    /// The conjugate gradients of the thesis on the energy itself (T appendix A); a step is one
+    /// search along a line.
+    ConjugateGradient,
+    /// Grain by grain to its own equilibrium (B 2.3); a step is a sweep over all grains.
+    GaussSeidel,
+    /// Equations of motion with local damping (B 2.2); a step is one of time.
+    Dynamic,
+}
+
+impl Method {
+    /// Every method.
+    pub const ALL: [Self; 4] =
+        [Self::Newton, Self::ConjugateGradient, Self::GaussSeidel, Self::Dynamic];
+
+    /// The name that scenes know it by.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Newton => "newton",
+            Self::ConjugateGradient => "conjugate_gradient",
+            Self::GaussSeidel => "gauss_seidel",
+            Self::Dynamic => "dynamic",
+        }
+    }
+
+    /// Steps before an increment is given up, where the scene does not say.
+    #[must_use]
+    pub fn max_iterations(self) -> u32 {
+        match self {
+            Self::Newton => 500,
+            Self::ConjugateGradient | Self::Dynamic => 100_000,
+            Self::GaussSeidel => 1_000_000,
+        }
+    }
 }

@@ -28,7 +28,7 @@ pub(super) fn write(summary: &Summary) -> String {
         &mut text,
         "solver",
         &format!(
-            "{} increments, {} equilibria, {} Newton steps, residual at most {:.1e}, {} s",
+            "{} increments, {} equilibria, {} iterations, residual at most {:.1e}, {} s",
             summary.increments,
             summary.substeps,
             summary.iterations,

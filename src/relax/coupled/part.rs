@@ -3,6 +3,7 @@
 use super::block6::{Block6, Six};
 use super::joint::Joint;
 use crate::Vec3;
+use crate::heap;
 use crate::relax::lanes::{self, Four, Kernel, LANE_ROWS, Lanes, dispatch};
 use crate::relax::sym3::Sym3;
 
@@ -38,6 +39,23 @@ pub(super) struct Part {
 }
 
 impl Part {
+    /// Memory that its lists hold \[bytes\].
+    pub(crate) fn heap_bytes(&self) -> usize {
+        heap::bytes(&self.grain)
+            + heap::bytes(&self.start)
+            + heap::bytes(&self.second)
+            + heap::bytes(&self.joints)
+            + heap::bytes(&self.wall_joints)
+            + heap::bytes(&self.walls)
+            + heap::bytes(&self.diagonal)
+            + heap::bytes(&self.inverse)
+            + heap::bytes(&self.shift)
+            + heap::bytes(&self.step)
+            + heap::bytes(&self.residual)
+            + heap::bytes(&self.direction)
+            + heap::bytes(&self.product)
+    }
+
     /// Begins an assembly of `rows` grains, with the separator `all` rows.
     pub(super) fn begin(&mut self, rows: usize, all: usize) {
         self.grain.resize(rows, 0);

@@ -1,6 +1,7 @@
 //! One part of the linear system: its factorisation, its sweeps and its vectors.
 
 use crate::Vec3;
+use crate::heap;
 use crate::relax::balance::Link;
 use crate::relax::block::Block;
 use crate::relax::lanes::{self, Four, Kernel, LANE_ROWS, Lanes, dispatch};
@@ -50,6 +51,23 @@ pub(super) struct Part {
 }
 
 impl Part {
+    /// Memory that its lists hold \[bytes\].
+    pub(crate) fn heap_bytes(&self) -> usize {
+        heap::bytes(&self.grain)
+            + heap::bytes(&self.start)
+            + heap::bytes(&self.second)
+            + heap::bytes(&self.contact)
+            + heap::bytes(&self.diagonal)
+            + heap::bytes(&self.factor)
+            + heap::bytes(&self.rows)
+            + heap::bytes(&self.scale)
+            + heap::bytes(&self.step)
+            + heap::bytes(&self.residual)
+            + heap::bytes(&self.direction)
+            + heap::bytes(&self.t)
+            + heap::bytes(&self.w)
+    }
+
     /// Begins an assembly of `rows` grains, with the separator `all` rows.
     pub(super) fn begin(&mut self, rows: usize, all: usize) {
         self.grain.resize(rows, 0);

@@ -3,7 +3,6 @@
 
 use nalgebra::Matrix3;
 
-use super::Rattlers;
 use crate::Vec3;
 use crate::contact::hertz;
 use crate::contact::neighbours::{Neighbours, wall_gap};
@@ -32,7 +31,8 @@ pub(super) enum Settled {
 pub(super) struct Site<'a> {
     pub(super) model: &'a Model,
     pub(super) neighbours: &'a Neighbours,
-    pub(super) rattlers: &'a Rattlers,
+    /// Its neighbours with Hertz' M.
+    pub(super) near: &'a [(u32, f64)],
     pub(super) bounds: &'a Bounds,
     pub(super) grain: usize,
     /// Whether its weight matters.
@@ -94,7 +94,7 @@ impl Site<'_> {
         let radius = self.model.radius[self.grain];
         let mut local =
             Local { energy: 0.0, gradient: Vec3::zeros(), hessian: Matrix3::zeros(), force: 0.0 };
-        for &(j, modulus) in self.rattlers.row(self.grain) {
+        for &(j, modulus) in self.near {
             let branch = at - position[j as usize];
             let distance = branch.norm();
             let overlap = radius + self.model.radius[j as usize] - distance;

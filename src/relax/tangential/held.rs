@@ -28,7 +28,7 @@ pub struct Held {
     /// Q_max = μP \[N\].
     pub(super) limit: f64,
     /// k_t \[N m\] (T 3.9a); zero without torsion.
-    pub(super) torsion_stiffness: f64,
+    pub(in crate::relax) torsion_stiffness: f64,
     /// Largest couple \[N m\] (T 3.3.3).
     pub(super) torsion_limit: f64,
     /// h⁰ \[m\], or the later overlap that stiffness and limit were renewed with.
@@ -96,11 +96,11 @@ pub(super) struct Motion {
 }
 
 /// Where the grains are.
-pub(super) struct Pose<'a> {
-    pub(super) model: &'a Model,
-    pub(super) position: &'a [Vec3],
-    pub(super) rotation: &'a [Vec3],
-    pub(super) bounds: &'a Bounds,
+pub(in crate::relax) struct Pose<'a> {
+    pub(in crate::relax) model: &'a Model,
+    pub(in crate::relax) position: &'a [Vec3],
+    pub(in crate::relax) rotation: &'a [Vec3],
+    pub(in crate::relax) bounds: &'a Bounds,
 }
 
 /// Constants of a pair of bodies in shear.
@@ -309,6 +309,12 @@ impl Held {
             self.torsion_limit,
         );
         Answer { normal, arm, shear, torsion }
+    }
+
+    /// Answer to `motion` of a contact without a limit.
+    pub(super) fn stick(&self, motion: &Motion) -> Answer {
+        let unlimited = Self { limit: f64::INFINITY, torsion_limit: f64::INFINITY, ..*self };
+        unlimited.answer(motion, Law::ReturnMap, &[])
     }
 
     /// The layers of this contact among those of all.

@@ -5,7 +5,7 @@ use crate::view::chart::{Chart, Series};
 use crate::view::history::History;
 use crate::view::scale::Axis;
 
-/// Newton iterations of each increment.
+/// Iterations of each increment.
 pub(super) fn iterations(history: &History) -> Chart {
     let point = |state: &PackState| [state.increment as f64, f64::from(state.iterations)];
     let total: u64 = history.states.iter().map(|state| u64::from(state.iterations)).sum();
