@@ -3,7 +3,7 @@
 //! [`advance`](advance::advance) moves the walls in sub-increments and calls [`relax`] after each.
 //! That leaves out the grains that cannot carry load ([`rattlers`]), minimises the energy of the
 //! others by [`newton`], and where that runs into an instability follows the grains downhill as
-//! overdamped motion would take them ([`flow`]) and notes who jumped ([`jump`]). The methods of
+//! overdamped motion would take them (`downhill`, [`flow`]) and notes who jumped ([`jump`]). The methods of
 //! the seeds take the place of [`newton`] where the scene asks for one: `conjugate_gradient`,
 //! `gauss_seidel` and `dynamic`.
 
@@ -12,6 +12,7 @@ pub mod balance;
 mod block;
 mod conjugate_gradient;
 pub mod coupled;
+mod downhill;
 mod dynamic;
 pub mod fire;
 pub mod flow;
@@ -40,9 +41,8 @@ use crate::wall::Bounds;
 use balance::{Balance, Configuration, Sums};
 use coupled::Coupled;
 use dynamic::Inertia;
-use flow::Flow;
 use gauss_seidel::Sweeper;
-use jump::{Jump, Pose, Watch};
+use jump::{Jump, Pose};
 use linear::{Inner, Linear};
 use newton::Solved;
 use rattlers::Rattlers;
@@ -54,11 +54,6 @@ const ROUNDS: u32 = 40;
 /// Longest Newton step with friction over the mean overlap: beyond it the contacts that slide are
 /// others.
 const FRICTIONAL_CAP: f64 = 0.03;
-
-/// Legs of the flow, each until the drag takes less of the unbalanced force than before.
-const LEGS: u32 = 10;
-/// Share of the unbalanced force that the drag takes at the end of the first leg.
-const DRAG: f64 = 0.1;
 
 /// How a relaxation ended. All but the first two leave no state to trust.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -381,40 +376,14 @@ impl Workspace {
 pub fn relax(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
     work.origin.copy(state);
     work.strict = work.follows && work.reference.active;
-    let mut outcome = carrying(model, state, work);
+    let outcome = carrying(model, state, work);
     work.strict = false;
     let descends = model.solver.method == Method::Newton;
     if !descends || !matches!(outcome.status, Status::Unstable | Status::Stalled) {
         // The other methods descend step by step of their own accord.
         return outcome;
     }
-    let mut flow = Flow::new();
-    let mut watch = Watch::default();
-    let mut share = DRAG;
-    for leg in 1..=LEGS {
-        work.origin.restore(state);
-        if !model.has_gravity() {
-            // Those that float may come in the way. Under their weight they would fall for ever.
-            state.carries.fill(true);
-        }
-        let status = flow.follow(model, state, work, &mut watch, share);
-        if !status.is_equilibrium() {
-            return Outcome { status, ..outcome };
-        }
-        share *= 0.3;
-        work.origin.copy(state);
-        let iterations = outcome.iterations;
-        outcome = carrying(model, state, work);
-        outcome.iterations += iterations;
-        outcome.descents = leg;
-        if !matches!(outcome.status, Status::Unstable | Status::Stalled) {
-            break;
-        }
-    }
-    if outcome.status.is_equilibrium() {
-        work.jumps.extend(watch.jump(model, state, &work.balance.sums));
-    }
-    outcome
+    downhill::descend(model, state, work, outcome)
 }
 
 /// Relaxes the grains that carry load by the scene's method alone.

@@ -65,7 +65,12 @@ pub(crate) fn tally(packs: u64, friction: f64) -> [Tally; 3] {
                 count[0] += 1;
                 count[1] += u32::from(same);
                 if !same {
-                    eprintln!("seed {seed}, {stress:.0e} Pa, friction {friction}: {seen:?}");
+                    let (forces, overlaps) = seen.apart;
+                    eprintln!(
+                        "seed {seed}, {stress:.0e} Pa, friction {friction}, step {}: wall forces \
+                         apart by {forces:.0e}, grains by {overlaps:.0e} overlaps",
+                        seen.share
+                    );
                 }
             }
         }
@@ -82,7 +87,6 @@ struct Case {
 }
 
 /// What one increment came to.
-#[derive(Debug)]
 struct Seen {
     share: f64,
     /// Whether the solver followed the flow.

@@ -41,7 +41,7 @@ const FORCING: (f64, f64) = (0.1, 0.5);
 /// Most products of one linear solve.
 const MOST_PRODUCTS: u32 = 1000;
 /// Most steps, the refused ones included.
-const MOST_STEPS: u32 = 3000;
+const MOST_STEPS: u32 = 1500;
 
 /// Where the flow is, between two legs.
 #[derive(Clone, Copy, Debug)]
