@@ -155,8 +155,6 @@ pub struct Workspace {
     origin: Pose,
     /// Whether the present search met negative curvature.
     concave: bool,
-    /// Whether a search ends there: with friction a shifted step may lead elsewhere at once.
-    strict: bool,
     /// Velocities of an inertial descent, of the grains and then of their rotations.
     velocity: Vec<Vec3>,
     trial_balance: Balance,
@@ -195,7 +193,6 @@ impl Workspace {
             trial_rotation: Vec::new(),
             origin: Pose::default(),
             concave: false,
-            strict: false,
             velocity: Vec::with_capacity(model.len()),
             trial_balance: Balance::default(),
             memory: Memory::default(),
@@ -375,9 +372,7 @@ impl Workspace {
 /// that this leads to. A pack that jumped on the way is noted in `work.jumps`.
 pub fn relax(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
     work.origin.copy(state);
-    work.strict = work.follows && work.reference.active;
     let outcome = carrying(model, state, work);
-    work.strict = false;
     let descends = model.solver.method == Method::Newton;
     if !descends || !matches!(outcome.status, Status::Unstable | Status::Stalled) {
         // The other methods descend step by step of their own accord.

@@ -172,9 +172,6 @@ fn step(
         let inner = work.solve(largest, forcing, MOST_PRODUCTS);
         if inner == Inner::NegativeCurvature {
             work.concave = true;
-            if work.strict {
-                return None;
-            }
             let concave = |i: usize| work.reference.active && work.coupled.curvature(i) < 0.0;
             let some = (0..model.len()).any(concave);
             for i in (0..model.len()).filter(|&i| !some || concave(i)) {
