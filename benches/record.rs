@@ -71,6 +71,7 @@ fn answer((network, increment): (ContactNetwork, u64)) -> Arc<Served> {
     let measures = Measures {
         stamp: Stamp { sec: increment as i32, nanosec: 0 },
         increment,
+        events: Vec::new(),
         walls: WallForces::default(),
         state: Some(PackState::default()),
         moduli: Some(Moduli {

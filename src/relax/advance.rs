@@ -3,6 +3,7 @@
 use crate::Vec3;
 use crate::measure::walls;
 use crate::model::Model;
+use crate::relax::jump::Jump;
 use crate::relax::tangential::Changes;
 use crate::relax::{Outcome, Status, Workspace, newton, relax};
 use crate::scene::{Method, Update};
@@ -20,7 +21,7 @@ const HALVINGS: u32 = 6;
 const RENEWALS: u32 = 3;
 
 /// What an increment came to.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Advance {
     /// The last relaxation.
     pub outcome: Outcome,
@@ -28,8 +29,10 @@ pub struct Advance {
     pub substeps: u32,
     /// Steps of the method of all relaxations.
     pub iterations: u32,
-    /// Inertial descents of all relaxations, each from a configuration that was unstable.
+    /// Legs of the flow of all relaxations, each from a configuration that was unstable.
     pub descents: u32,
+    /// Instabilities that the pack went through, in order.
+    pub jumps: Vec<Jump>,
     /// Contacts that opened and formed, and what is left of the error of freezing the limits.
     pub changes: Changes,
 }
@@ -52,6 +55,7 @@ pub fn advance(
         substeps: 0,
         iterations: 0,
         descents: 0,
+        jumps: Vec::new(),
         changes: Changes::default(),
     };
     work.neighbours.refresh(model, &state.position, &state.bounds(model));
@@ -63,6 +67,7 @@ pub fn advance(
         last.copy_from(state);
         for attempt in 0.. {
             work.begin(model, state);
+            work.jumps.clear();
             move_walls(model, state, target, share);
             // The seeds' methods begin where the walls take the grains.
             if work.reference.active && model.solver.method == Method::Newton {
@@ -78,11 +83,13 @@ pub fn advance(
             state.copy_from(&last);
             if attempt == HALVINGS {
                 state.copy_from(&start);
+                so_far.jumps.clear();
                 return so_far;
             }
             share *= 0.5;
         }
         so_far.substeps += 1;
+        so_far.jumps.append(&mut work.jumps);
         let changes = work.commit(model, state);
         so_far.changes.opened += changes.opened;
         so_far.changes.formed += changes.formed;
