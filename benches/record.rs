@@ -71,7 +71,9 @@ fn answer((network, increment): (ContactNetwork, u64)) -> Arc<Served> {
     let measures = Measures {
         stamp: Stamp { sec: increment as i32, nanosec: 0 },
         increment,
+        events: Vec::new(),
         walls: WallForces::default(),
+        wall_force_error: 0.0,
         state: Some(PackState::default()),
         moduli: Some(Moduli {
             valid: false,

@@ -2,9 +2,10 @@
 //!
 //! [`advance`](advance::advance) moves the walls in sub-increments and calls [`relax`] after each.
 //! That leaves out the grains that cannot carry load ([`rattlers`]), minimises the energy of the
-//! others by [`newton`], and where that runs into an instability follows the grains downhill
-//! ([`fire`]) and begins again. The methods of the seeds take the place of [`newton`] where the
-//! scene asks for one: `conjugate_gradient`, `gauss_seidel` and `dynamic`.
+//! others by [`newton`], and where that runs into an instability follows the grains downhill as
+//! overdamped motion would take them (`downhill`, [`flow`]) and notes who jumped ([`jump`]). The methods of
+//! the seeds take the place of [`newton`] where the scene asks for one: `conjugate_gradient`,
+//! `gauss_seidel` and `dynamic`.
 
 pub mod accuracy;
 pub mod advance;
@@ -12,9 +13,12 @@ pub mod balance;
 mod block;
 mod conjugate_gradient;
 pub mod coupled;
+mod downhill;
 mod dynamic;
 pub mod fire;
+pub mod flow;
 mod gauss_seidel;
+pub mod jump;
 pub mod lanes;
 pub mod linear;
 pub mod newton;
@@ -39,6 +43,7 @@ use balance::{Balance, Configuration, Sums};
 use coupled::Coupled;
 use dynamic::Inertia;
 use gauss_seidel::Sweeper;
+use jump::{Jump, Pose};
 use linear::{Inner, Linear};
 use newton::Solved;
 use rattlers::Rattlers;
@@ -50,12 +55,6 @@ const ROUNDS: u32 = 40;
 /// Longest Newton step with friction over the mean overlap: beyond it the contacts that slide are
 /// others.
 const FRICTIONAL_CAP: f64 = 0.03;
-
-/// Residuals of the descents from an unstable configuration, one after the other.
-const DESCENTS: [f64; 5] = [1e-3, 3e-4, 1e-4, 1e-5, 1e-6];
-/// Steps of a descent, without friction and with it: not every law of friction has a potential,
-/// and where there is none a descent may go round in circles.
-const MOST_DESCENT: [u32; 2] = [100_000, 3000];
 
 /// How a relaxation ended. All but the first two leave no state to trust.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,7 +90,7 @@ pub struct Outcome {
     pub residual: f64,
     /// Steps of the method.
     pub iterations: u32,
-    /// Inertial descents, each from a configuration that was unstable.
+    /// Legs of the flow from a configuration that was unstable.
     pub descents: u32,
     /// Sums at the end.
     pub sums: Sums,
@@ -132,6 +131,11 @@ pub struct Workspace {
     pub coupled: Coupled,
     /// Stiffness that single precision is scaled by \[N/m\].
     pub reference_stiffness: f64,
+    /// Whether an instability is followed the way overdamped motion goes. If not, any minimum
+    /// nearby will do.
+    pub follows: bool,
+    /// Instabilities followed since the list was last emptied.
+    pub jumps: Vec<Jump>,
     /// Newton steps longer than this many mean overlaps are shortened by a shift of the Hessian.
     pub step_cap: f64,
     /// Shift of each grain's block, shape (n).
@@ -146,8 +150,15 @@ pub struct Workspace {
     /// The present step \[m\], shape (n), and its rotations times radius \[m\], shape (n) or empty.
     step: Vec<Vec3>,
     turn: Vec<Vec3>,
+    /// The first stage of a step of the flow, as `step` and `turn`.
+    first_step: Vec<Vec3>,
+    first_turn: Vec<Vec3>,
     trial: Vec<Vec3>,
     trial_rotation: Vec<Vec3>,
+    /// Where the present search began.
+    origin: Pose,
+    /// Whether the present search met negative curvature.
+    concave: bool,
     /// Velocities of an inertial descent, of the grains and then of their rotations.
     velocity: Vec<Vec3>,
     trial_balance: Balance,
@@ -173,14 +184,20 @@ impl Workspace {
             coupled: Coupled::default(),
             reference_stiffness: hertz::stiffness(modulus, 1e-2 * model.mean_radius),
             step_cap: if model.friction.is_some() { FRICTIONAL_CAP } else { 1.0 },
+            follows: true,
+            jumps: Vec::new(),
             shift: vec![0.0; model.len()],
             first_shift: Vec::with_capacity(model.len()),
             stride: Vec::with_capacity(model.len()),
             support: Vec::new(),
             step: Vec::with_capacity(model.len()),
             turn: Vec::new(),
+            first_step: Vec::new(),
+            first_turn: Vec::new(),
             trial: Vec::with_capacity(model.len()),
             trial_rotation: Vec::new(),
+            origin: Pose::default(),
+            concave: false,
             velocity: Vec::with_capacity(model.len()),
             trial_balance: Balance::default(),
             memory: Memory::default(),
@@ -276,16 +293,32 @@ impl Workspace {
         }
     }
 
+    /// Factorises the linearisation with the shifts as they are.
+    fn factorise(&mut self) {
+        match self.reference.active {
+            false => self.linear.factorise(&self.shift),
+            true => self.coupled.factorise(&self.shift),
+        }
+    }
+
     /// Solves for the step in at most `most` products after [`assemble`](Self::assemble), with the
     /// shifts as they are, until the preconditioned residual fell by `forcing`; `largest` \[N\]
     /// scales it.
     pub fn solve(&mut self, largest: f64, forcing: f64, most: u32) -> Inner {
+        self.factorise();
+        let balance = std::mem::take(&mut self.balance);
+        let inner = self.solve_again(&balance, largest, forcing, most);
+        self.balance = balance;
+        inner
+    }
+
+    /// Solves with the last linearisation and shifts for the gradient of another balance.
+    fn solve_again(&mut self, balance: &Balance, largest: f64, forcing: f64, most: u32) -> Inner {
+        let Self { linear, coupled, step, turn, .. } = self;
         let unit = largest / self.reference_stiffness;
-        let Self { balance, linear, coupled, step, turn, .. } = self;
         step.clear();
         turn.clear();
         if self.reference.active {
-            coupled.factorise(&self.shift);
             let inner = coupled.solve(&balance.gradient, &balance.moment, largest, forcing, most);
             for i in 0..balance.gradient.len() {
                 let [u, w] = coupled.step(i, unit);
@@ -294,10 +327,39 @@ impl Workspace {
             }
             return inner;
         }
-        linear.factorise(&self.shift);
         let inner = linear.solve(&balance.gradient, largest, forcing, most);
         step.extend((0..balance.gradient.len()).map(|i| linear.step(i, unit)));
         inner
+    }
+
+    /// Takes the balance of `state` moved by `factor` times the step into `trial_balance`.
+    fn try_step(&mut self, model: &Model, state: &State, bounds: &Bounds, factor: f64) {
+        self.trial.clear();
+        self.trial
+            .extend(state.position.iter().zip(&self.step).map(|(at, step)| at + step * factor));
+        self.trial_rotation.clear();
+        self.trial_rotation.extend(
+            (state.rotation.iter().zip(&self.turn).zip(&model.radius))
+                .map(|((at, turn), radius)| at + turn * (factor / radius)),
+        );
+        self.neighbours.refresh(model, &self.trial, bounds);
+        self.trial_balance.evaluate(&Configuration {
+            model,
+            neighbours: &self.neighbours,
+            position: &self.trial,
+            rotation: &self.trial_rotation,
+            reference: &self.reference,
+            carries: &state.carries,
+            bounds,
+            reference_stiffness: self.reference_stiffness,
+        });
+    }
+
+    /// Makes the configuration that was tried last the one of `state`.
+    fn accept(&mut self, state: &mut State) {
+        std::mem::swap(&mut state.position, &mut self.trial);
+        std::mem::swap(&mut state.rotation, &mut self.trial_rotation);
+        std::mem::swap(&mut self.balance, &mut self.trial_balance);
     }
 
     /// Change of the potential of `balance` along the step \[J\].
@@ -310,25 +372,19 @@ impl Workspace {
 }
 
 /// Relaxes `state` at its walls. On a status that is no equilibrium the state is not to be used.
+///
+/// Where Newton's method runs into an instability the pack goes back to where it was and is
+/// followed downhill as overdamped motion would take it, until Newton's method ends in the basin
+/// that this leads to. A pack that jumped on the way is noted in `work.jumps`.
 pub fn relax(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
-    let mut outcome = carrying(model, state, work);
-    if model.solver.method != Method::Newton {
-        // These methods descend step by step of their own accord.
+    work.origin.copy(state);
+    let outcome = carrying(model, state, work);
+    let descends = model.solver.method == Method::Newton;
+    if !descends || !matches!(outcome.status, Status::Unstable | Status::Stalled) {
+        // The other methods descend step by step of their own accord.
         return outcome;
     }
-    for residual in DESCENTS {
-        if outcome.status != Status::Unstable && outcome.status != Status::Stalled {
-            break;
-        }
-        let steps = MOST_DESCENT[usize::from(work.reference.active)];
-        let goal = fire::Goal { residual, pressure: None, steps };
-        fire::descend(model, state, work, goal);
-        let (iterations, descents) = (outcome.iterations, outcome.descents);
-        outcome = carrying(model, state, work);
-        outcome.iterations += iterations;
-        outcome.descents += descents + 1;
-    }
-    outcome
+    downhill::descend(model, state, work, outcome)
 }
 
 /// Relaxes the grains that carry load by the scene's method alone.
@@ -344,6 +400,7 @@ fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
 /// Relaxes by the scene's method alone, the floating grains beside those that carry.
 fn carrying(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
     let (mut iterations, mut round) = (0, 0);
+    work.concave = false;
     rattlers::find(model, state, work);
     loop {
         let solved = solve(model, state, work);

@@ -49,6 +49,8 @@ pub struct Measures {
     pub stamp: Stamp,
     /// 0 for the initial equilibrium, then one more per command served.
     pub increment: u64,
+    /// Sudden changes on the way to this equilibrium, in order.
+    pub events: Vec<Event>,
     /// Forces on the walls.
     pub walls: WallForces,
     /// Estimate of the largest error of a wall's normal force \[N\] against the exact equilibrium;
@@ -60,6 +62,32 @@ pub struct Measures {
     pub moduli: Option<Moduli>,
     /// Present when [`Demand::contact_network`] was set.
     pub network: Option<ContactNetwork>,
+}
+
+/// What kind of event, as `graintwin_msgs/Event` numbers it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[repr(u8)]
+pub enum EventKind {
+    /// The pack lost its stability and came to another equilibrium while the walls stood still.
+    StressDrop = 0,
+}
+
+/// A sudden change inside the pack.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Event {
+    /// What happened.
+    pub kind: EventKind,
+    /// Confining stress of the contacts where stability was lost \[Pa\]: a third of the trace of
+    /// the Love-Weber stress, at the walls of `stress_after`.
+    pub stress_before: f64,
+    /// The same at the equilibrium that followed \[Pa\].
+    pub stress_after: f64,
+    /// Grains that carry load and went further than the mean overlap, in the order of the pack
+    /// file.
+    pub grains: Vec<u32>,
+    /// How far each of them went from where stability was lost \[m\].
+    pub displacement: Vec<f64>,
 }
 
 /// Forces on the six walls.

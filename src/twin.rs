@@ -10,8 +10,9 @@ use crate::measure::{moduli, network, porosity, stress, walls};
 use crate::model::{Model, sphere_volume};
 use crate::pack::{Grain, Pack};
 use crate::relax::advance::{Advance, advance};
+use crate::relax::jump::Jump;
 use crate::relax::{Effort, Outcome, Status, Workspace, accuracy, relax};
-use crate::report::{Demand, Measures, Moduli, PackState, Report};
+use crate::report::{Demand, Event, EventKind, Measures, Moduli, PackState, Report};
 use crate::scene::Scene;
 use crate::state::State;
 
@@ -91,6 +92,7 @@ impl Twin {
         let given = self.state.clone();
         let Self { model, state, work, pool, .. } = self;
         work.start(model, state);
+        work.jumps.clear();
         let outcome = pool.install(|| relax(model, state, work));
         self.outcome = outcome;
         let mut report = Report {
@@ -128,8 +130,9 @@ impl Twin {
         report.substeps = u32::from(outcome.iterations > 0);
         let Outcome { iterations, descents, .. } = outcome;
         let substeps = report.substeps;
+        let jumps = std::mem::take(&mut self.work.jumps);
         let reached =
-            Advance { outcome, substeps, iterations, descents, wall_force_error, changes };
+            Advance { outcome, substeps, iterations, descents, wall_force_error, jumps, changes };
         report.measures = Some(self.measure(Stamp::default(), &reached, demand));
         report
     }
@@ -175,11 +178,8 @@ impl Twin {
         if reached.outcome.status == Status::Unjammed {
             report.text = join(&report.text, UNJAMMED);
         }
-        if reached.descents > 0 {
-            report.text = join(
-                &report.text,
-                "unstable on the way: the grains were followed downhill to another equilibrium",
-            );
+        for jump in &reached.jumps {
+            report.text = join(&report.text, &tell(jump));
         }
         self.gate.served(command, Some(target), &report);
         report.measures = Some(self.measure(command.stamp, &reached, demand));
@@ -208,7 +208,8 @@ impl Twin {
                 outcome.iterations
             ),
             Status::Unstable => format!(
-                "unstable: residual {residual:.1e} after {} descents, {tolerance:.1e} asked",
+                "unstable: residual {residual:.1e} after {} legs of overdamped flow, \
+                 {tolerance:.1e} asked",
                 outcome.descents
             ),
             Status::Stalled => format!(
@@ -282,6 +283,7 @@ impl Twin {
         Measures {
             stamp,
             increment: self.increment,
+            events: reached.jumps.iter().map(|jump| event(&self.model, jump)).collect(),
             walls: wall_forces,
             wall_force_error: reached.wall_force_error,
             state,
@@ -335,6 +337,33 @@ fn join(first: &str, second: &str) -> String {
     match (first, second) {
         ("", only) | (only, "") => only.into(),
         (first, second) => format!("{first}; {second}"),
+    }
+}
+
+/// One sentence about a jump.
+fn tell(jump: &Jump) -> String {
+    let grains = match jump.grains.len() {
+        1 => "1 grain".into(),
+        many => format!("{many} grains"),
+    };
+    format!(
+        "unstable on the way: {grains} jumped, confining stress from {:.4e} to {:.4e} Pa",
+        jump.stress_before, jump.stress_after
+    )
+}
+
+/// The jump with the grains as the pack file counts them.
+fn event(model: &Model, jump: &Jump) -> Event {
+    let named = |&(grain, moved): &(u32, f64)| (model.order[grain as usize], moved);
+    let mut grains: Vec<(u32, f64)> = jump.grains.iter().map(named).collect();
+    grains.sort_unstable_by_key(|&(grain, _)| grain);
+    let (grains, displacement) = grains.into_iter().unzip();
+    Event {
+        kind: EventKind::StressDrop,
+        stress_before: jump.stress_before,
+        stress_after: jump.stress_after,
+        grains,
+        displacement,
     }
 }
 

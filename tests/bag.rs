@@ -146,6 +146,21 @@ fn expected_measures(measures: &Measures) -> Vec<Value> {
             }),
         ),
     ));
+    for event in &measures.events {
+        messages.push(message(
+            "events",
+            &merged(
+                common("pack"),
+                json!({
+                    "kind": 0,
+                    "stress_before": event.stress_before,
+                    "stress_after": event.stress_after,
+                    "grains": event.grains,
+                    "displacement": event.displacement,
+                }),
+            ),
+        ));
+    }
     messages
 }
 
@@ -182,6 +197,7 @@ fn two_independent_readers_find_every_field_of_every_message() {
         [
             "/graintwin/boundary_command",
             "/graintwin/contact_network",
+            "/graintwin/events",
             "/graintwin/moduli",
             "/graintwin/report",
             "/graintwin/state",

@@ -189,6 +189,7 @@ fn measures(contacts: u32) -> Measures {
     Measures {
         stamp: Stamp { sec: 12, nanosec: 34 },
         increment: 5,
+        events: Vec::new(),
         walls: report::WallForces {
             position: [-1.0, 3.0, -2.0, 2.0, -4.0, 4.0],
             ..report::WallForces::default()

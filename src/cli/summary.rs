@@ -11,7 +11,7 @@ use serde::Serialize;
 use graintwin::command::Disposition;
 use graintwin::measure::coordination::Histograms;
 use graintwin::pack::prepare::Reached;
-use graintwin::report::{Demand, Measures, Moduli, PackState, WallForces};
+use graintwin::report::{Demand, Event, Measures, Moduli, PackState, WallForces};
 use graintwin::scene::{Friction, Loaded};
 use graintwin::sink::{Served, Sink};
 use graintwin::wall::Bounds;
@@ -43,6 +43,8 @@ pub(super) struct Summary {
     /// Frictional contacts that opened and that formed, summed over the increments.
     opened: u64,
     formed: u64,
+    /// Sudden changes, in order.
+    events: Vec<Happened>,
     worst_residual: f64,
     solve_seconds: f64,
     /// Whether the scene has friction.
@@ -78,6 +80,14 @@ struct Moment {
     moduli: Option<Moduli>,
 }
 
+/// One event and when it was.
+#[derive(Debug, Serialize)]
+struct Happened {
+    increment: u64,
+    #[serde(flatten)]
+    event: Event,
+}
+
 impl Summary {
     pub(super) fn new(loaded: &Loaded, specimen: &Specimen) -> Self {
         let Specimen { pack, prepared } = specimen;
@@ -96,6 +106,7 @@ impl Summary {
             iterations: 0,
             opened: 0,
             formed: 0,
+            events: Vec::new(),
             worst_residual: 0.0,
             solve_seconds: 0.0,
             frictional: loaded.scene.contact.friction != Friction::None,
@@ -178,6 +189,9 @@ impl Summary {
             moduli: measures.moduli,
         };
         self.increments = measures.increment;
+        let increment = measures.increment;
+        let happened = |event: &Event| Happened { increment, event: event.clone() };
+        self.events.extend(measures.events.iter().map(happened));
         if let Some(state) = measures.state {
             self.iterations += u64::from(state.iterations);
             self.opened += u64::from(state.opened);

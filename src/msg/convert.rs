@@ -2,7 +2,7 @@
 
 use super::topics::{PACK_FRAME, wall_frame};
 use super::{
-    BoundaryCommand, ContactNetwork, Header, JointState, Moduli, PackState, Report, Time,
+    BoundaryCommand, ContactNetwork, Event, Header, JointState, Moduli, PackState, Report, Time,
     WallForces, Wrench, WrenchStamped,
 };
 use crate::command::{Command, Stamp};
@@ -160,6 +160,19 @@ pub fn moduli(measures: &Measures) -> Option<Moduli> {
         lame: moduli.lame,
         p_wave: moduli.p_wave,
         tangent: moduli.tangent,
+    })
+}
+
+/// The events on the way to this equilibrium, in order.
+pub fn events(measures: &Measures) -> impl Iterator<Item = Event> + '_ {
+    measures.events.iter().map(|event| Event {
+        header: pack_header(measures.stamp),
+        increment: measures.increment,
+        kind: event.kind as u8,
+        stress_before: event.stress_before,
+        stress_after: event.stress_after,
+        grains: event.grains.clone(),
+        displacement: event.displacement.clone(),
     })
 }
 

@@ -2,7 +2,7 @@
 
 use super::schema::{Described, MessageType};
 use super::{
-    BoundaryCommand, ContactNetwork, JointState, Moduli, PackState, Report, WallForces,
+    BoundaryCommand, ContactNetwork, Event, JointState, Moduli, PackState, Report, WallForces,
     WrenchStamped,
 };
 use crate::wall;
@@ -102,6 +102,9 @@ pub static MODULI: Topic = Topic::new("moduli", Moduli::TYPE, 1).latched();
 /// Out: [`ContactNetwork`].
 pub static CONTACT_NETWORK: Topic = Topic::new("contact_network", ContactNetwork::TYPE, 64);
 
+/// Out: [`Event`], one message an event.
+pub static EVENTS: Topic = Topic::new("events", Event::TYPE, 64);
+
 /// Every topic, commands first.
 pub fn all() -> impl Iterator<Item = &'static Topic> {
     [&BOUNDARY_COMMAND, &REPORT, &WALL_FORCES].into_iter().chain(&WALL_WRENCH).chain([
@@ -109,5 +112,6 @@ pub fn all() -> impl Iterator<Item = &'static Topic> {
         &STATE,
         &MODULI,
         &CONTACT_NETWORK,
+        &EVENTS,
     ])
 }

@@ -10,8 +10,8 @@ use serde::Serialize;
 
 use super::NodeError;
 use crate::msg::{
-    BoundaryCommand, ContactNetwork, JointState, Moduli, PackState, Report, Topic, WallForces,
-    WrenchStamped, topics,
+    BoundaryCommand, ContactNetwork, Event, JointState, Moduli, PackState, Report, Topic,
+    WallForces, WrenchStamped, topics,
 };
 use crate::wall;
 
@@ -28,6 +28,7 @@ pub(super) struct Endpoints {
     pub state: Out<PackState>,
     pub moduli: Out<Moduli>,
     pub contact_network: Out<ContactNetwork>,
+    pub events: Out<Event>,
     pub report: Out<Report>,
     node: Node,
 }
@@ -58,6 +59,7 @@ impl Endpoints {
             state: Out::new(&mut node, &topics::STATE)?,
             moduli: Out::new(&mut node, &topics::MODULI)?,
             contact_network: Out::new(&mut node, &topics::CONTACT_NETWORK)?,
+            events: Out::new(&mut node, &topics::EVENTS)?,
             report: Out::new(&mut node, &topics::REPORT)?,
             node,
         };
@@ -72,6 +74,7 @@ impl Endpoints {
             || self.state.has_listener(self)
             || self.moduli.has_listener(self)
             || self.contact_network.has_listener(self)
+            || self.events.has_listener(self)
             || self.report.has_listener(self)
     }
 }

@@ -13,7 +13,9 @@ use tokio::time::{Instant, timeout};
 use super::counters::Counters;
 use super::endpoints::Endpoints;
 use super::frames::{Frame, Frames};
-use crate::msg::{JointState, Moduli, PackState, Report, WallForces, WrenchStamped, convert};
+use crate::msg::{
+    Event, JointState, Moduli, PackState, Report, WallForces, WrenchStamped, convert,
+};
 use crate::report::Demand;
 use crate::scene::{ModuliKind, Outputs, When};
 use crate::sink::{Served, Sink};
@@ -45,6 +47,7 @@ pub(super) enum Outgoing {
     State(PackState),
     Moduli(Moduli),
     Network(Frame),
+    Event(Event),
     Report(Report),
 }
 
@@ -83,6 +86,7 @@ impl NodeSink {
             messages.push(Outgoing::WallStates(convert::wall_states(measures)));
             messages.extend(convert::pack_state(measures).map(Outgoing::State));
             messages.extend(convert::moduli(measures).map(Outgoing::Moduli));
+            messages.extend(convert::events(measures).map(Outgoing::Event));
         }
         messages.push(Outgoing::Report(Report::from(&served.report)));
         self.counters.queued.fetch_add(messages.len() as u64, Ordering::Relaxed);
@@ -189,6 +193,7 @@ impl Outbox {
             Outgoing::State(_) => endpoints.state.has_listener(endpoints),
             Outgoing::Moduli(_) => endpoints.moduli.has_listener(endpoints),
             Outgoing::Network(_) => endpoints.contact_network.has_listener(endpoints),
+            Outgoing::Event(_) => endpoints.events.has_listener(endpoints),
             Outgoing::Report(_) => endpoints.report.has_listener(endpoints),
         }
     }
@@ -201,6 +206,7 @@ impl Outbox {
             Outgoing::WallStates(message) => endpoints.wall_states.publish(message).await,
             Outgoing::State(message) => endpoints.state.publish(message).await,
             Outgoing::Moduli(message) => endpoints.moduli.publish(message).await,
+            Outgoing::Event(message) => endpoints.events.publish(message).await,
             Outgoing::Report(message) => endpoints.report.publish(message).await,
             Outgoing::Network(frame) => {
                 if endpoints.contact_network.has_listener(endpoints) {

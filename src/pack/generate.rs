@@ -169,6 +169,7 @@ impl Press {
             self.descend(residual, Some(target));
             self.resort();
             self.work.step_cap = BOLD_STEP;
+            self.work.follows = false;
             outcome = relax(&self.model, &mut self.state, &mut self.work);
             let miss = (self.stress() - Vec3::repeat(target)).amax();
             if outcome.status == Status::Converged && miss <= STRESS_TOLERANCE * target {

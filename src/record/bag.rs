@@ -13,8 +13,8 @@ use crate::command::Stamp;
 use crate::msg::cdr::{self, CdrError};
 use crate::msg::topics::{self, Topic};
 use crate::msg::{
-    BoundaryCommand, ContactNetwork, Described, JointState, Moduli, PackState, Report, WallForces,
-    WrenchStamped, convert,
+    BoundaryCommand, ContactNetwork, Described, Event, JointState, Moduli, PackState, Report,
+    WallForces, WrenchStamped, convert,
 };
 use crate::report::Measures;
 use crate::scene::{self, Compression};
@@ -164,6 +164,9 @@ impl<W: Write> BagWriter<W> {
         if let Some(network) = convert::whole_network(measures) {
             self.write(&topics::CONTACT_NETWORK, &network, time)?;
         }
+        for event in convert::events(measures) {
+            self.write(&topics::EVENTS, &event, time)?;
+        }
         Ok(())
     }
 
@@ -275,5 +278,6 @@ stamped!(
     JointState,
     PackState,
     Moduli,
-    ContactNetwork
+    ContactNetwork,
+    Event
 );

@@ -3,6 +3,7 @@
 use crate::Vec3;
 use crate::measure::walls;
 use crate::model::Model;
+use crate::relax::jump::Jump;
 use crate::relax::tangential::Changes;
 use crate::relax::{Outcome, Status, Workspace, accuracy, newton, relax};
 use crate::scene::{Method, Update};
@@ -20,7 +21,7 @@ const HALVINGS: u32 = 6;
 const RENEWALS: u32 = 3;
 
 /// What an increment came to.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Advance {
     /// The last relaxation.
     pub outcome: Outcome,
@@ -28,11 +29,13 @@ pub struct Advance {
     pub substeps: u32,
     /// Steps of the method of all relaxations.
     pub iterations: u32,
-    /// Inertial descents of all relaxations, each from a configuration that was unstable.
+    /// Legs of the flow of all relaxations, each from a configuration that was unstable.
     pub descents: u32,
     /// Estimated error of the normal forces on the walls at the end, the largest \[N\]
     /// ([`accuracy`]).
     pub wall_force_error: f64,
+    /// Instabilities that the pack went through, in order.
+    pub jumps: Vec<Jump>,
     /// Contacts that opened and formed, and what is left of the error of freezing the limits.
     pub changes: Changes,
 }
@@ -56,6 +59,7 @@ pub fn advance(
         iterations: 0,
         descents: 0,
         wall_force_error: 0.0,
+        jumps: Vec::new(),
         changes: Changes::default(),
     };
     work.neighbours.refresh(model, &state.position, &state.bounds(model));
@@ -67,6 +71,7 @@ pub fn advance(
         last.copy_from(state);
         for attempt in 0.. {
             work.begin(model, state);
+            work.jumps.clear();
             move_walls(model, state, target, share);
             // The seeds' methods begin where the walls take the grains.
             if work.reference.active && model.solver.method == Method::Newton {
@@ -82,6 +87,7 @@ pub fn advance(
             state.copy_from(&last);
             if attempt == HALVINGS {
                 state.copy_from(&start);
+                so_far.jumps.clear();
                 return so_far;
             }
             share *= 0.5;
@@ -91,6 +97,7 @@ pub fn advance(
             so_far.wall_force_error =
                 accuracy::wall_force_error(model, state, work, &so_far.outcome);
         }
+        so_far.jumps.append(&mut work.jumps);
         let changes = work.commit(model, state);
         so_far.changes.opened += changes.opened;
         so_far.changes.formed += changes.formed;

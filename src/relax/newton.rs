@@ -2,7 +2,7 @@
 
 use crate::Vec3;
 use crate::model::Model;
-use crate::relax::balance::{Balance, Configuration};
+use crate::relax::balance::Balance;
 use crate::relax::linear::Inner;
 use crate::relax::{Status, Workspace, rattlers};
 use crate::scene::Law;
@@ -16,6 +16,8 @@ const FIRST_SHIFT: f64 = 0.02;
 const MOST_SHIFTED: [u32; 2] = [40, 150];
 /// Residual at which floating grains are moved out of the way for the first time.
 const SETTLE: f64 = 1e-3;
+/// Once the energy was concave a grain may go this many mean overlaps from where it started.
+const LEAP: f64 = 1.0;
 /// Steps between two looks for grains that nothing holds.
 const PATIENCE: u32 = 20;
 /// What whole steps divide the shifts by, without friction; with it they drop them.
@@ -104,9 +106,13 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
         let forcing = (0.3 * tolerance / residual).clamp(0.1, 0.5);
         match step(model, state, work, &bounds, forcing, largest) {
             Some(used) => shifted = used,
+            None if work.concave && work.follows => return end(Status::Unstable),
             // Rounding leaves nothing to descend: looking once more found no other minimum.
             None if residual <= tolerance => return end(Status::Converged),
             None => return end(Status::Stalled),
+        }
+        if work.concave && work.follows && leapt(model, state, work) {
+            return Solved { iterations, ..end(Status::Unstable) };
         }
         in_a_row = if shifted { in_a_row + 1 } else { 0 };
         if in_a_row > MOST_SHIFTED[usize::from(work.reference.active)] {
@@ -116,6 +122,14 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
             return Solved { iterations, ..end(Status::Unstable) };
         }
     }
+}
+
+/// Whether a grain that carries load is far from where it started: a shifted step goes downhill,
+/// but after many of them the pack may be in another basin than the flow leads to.
+fn leapt(model: &Model, state: &State, work: &Workspace) -> bool {
+    let far = (LEAP * work.balance.sums.mean_overlap()).powi(2);
+    let moved = |i: usize| (state.position[i] - work.origin.position[i]).norm_squared();
+    (0..model.len()).any(|i| state.carries[i] && moved(i) > far)
 }
 
 /// Takes one step as if contacts that stuck would stick on: moving with the walls without turning
@@ -174,6 +188,7 @@ fn step(
     for _ in 0..MOST_SHIFTS {
         let inner = work.solve(largest, forcing, MOST_PRODUCTS);
         if inner == Inner::NegativeCurvature {
+            work.concave = true;
             let concave = |i: usize| work.reference.active && work.coupled.curvature(i) < 0.0;
             let some = (0..model.len()).any(concave);
             for i in (0..model.len()).filter(|&i| !some || concave(i)) {
@@ -243,25 +258,7 @@ fn search(model: &Model, state: &mut State, work: &mut Workspace, bounds: &Bound
     };
     let mut factor = 1.0;
     for _ in 0..=HALVINGS {
-        work.trial.clear();
-        work.trial
-            .extend(state.position.iter().zip(&work.step).map(|(at, step)| at + step * factor));
-        work.trial_rotation.clear();
-        work.trial_rotation.extend(
-            (state.rotation.iter().zip(&work.turn).zip(&model.radius))
-                .map(|((at, turn), radius)| at + turn * (factor / radius)),
-        );
-        work.neighbours.refresh(model, &work.trial, bounds);
-        work.trial_balance.evaluate(&Configuration {
-            model,
-            neighbours: &work.neighbours,
-            position: &work.trial,
-            rotation: &work.trial_rotation,
-            reference: &work.reference,
-            carries: &state.carries,
-            bounds,
-            reference_stiffness: work.reference_stiffness,
-        });
+        work.try_step(model, state, bounds, factor);
         let after = &work.trial_balance;
         let change = after.potential() - before;
         let size = before.abs().max(after.potential().abs());
@@ -275,9 +272,7 @@ fn search(model: &Model, state: &mut State, work: &mut Workspace, bounds: &Bound
                     && (slope * (1.0 + FLAT)..0.0).contains(&work.slope(after)))
                 || (change.abs() <= 1e-13 * size && self::square(after) < square));
         if accepted {
-            std::mem::swap(&mut state.position, &mut work.trial);
-            std::mem::swap(&mut state.rotation, &mut work.trial_rotation);
-            std::mem::swap(&mut work.balance, &mut work.trial_balance);
+            work.accept(state);
             return Some(factor == 1.0);
         }
         factor *= 0.5;

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use graintwin::command::{Command, Disposition, Mode, Stamp};
 use graintwin::record::Provenance;
-use graintwin::report::{ContactNetwork, Measures, Moduli, PackState, Report, WallForces};
+use graintwin::report::{
+    ContactNetwork, Event, EventKind, Measures, Moduli, PackState, Report, WallForces,
+};
 use graintwin::sink::Served;
 
 /// What the test recordings say of their making.
@@ -63,6 +65,16 @@ fn report(command: Option<&Command>, measures: Option<Measures>, increment: u64)
         substeps: 3,
         text: if measures.is_some() { String::new() } else { "zu weit: 2 µm > 1 µm".into() },
         measures,
+    }
+}
+
+fn jump(increment: u64) -> Event {
+    Event {
+        kind: EventKind::StressDrop,
+        stress_before: 1.25e6,
+        stress_after: 1.0e6 + increment as f64,
+        grains: vec![3, 4_000_000_000],
+        displacement: vec![1.5e-7, 2.5e-6],
     }
 }
 
@@ -141,6 +153,7 @@ fn measures(stamp: Stamp, increment: u64, contacts: u32) -> Measures {
     Measures {
         stamp,
         increment,
+        events: vec![jump(increment)],
         walls,
         wall_force_error: 2.5e-9,
         state: Some(state),

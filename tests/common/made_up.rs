@@ -4,7 +4,9 @@ use std::array::from_fn;
 use std::sync::Arc;
 
 use graintwin::command::{Command, Disposition, Mode, Stamp};
-use graintwin::report::{ContactNetwork, Demand, Measures, Moduli, PackState, Report, WallForces};
+use graintwin::report::{
+    ContactNetwork, Demand, Event, EventKind, Measures, Moduli, PackState, Report, WallForces,
+};
 use graintwin::sink::Served;
 
 /// Answers commands as a twin does, at once.
@@ -63,6 +65,8 @@ impl MadeUpTwin {
         Measures {
             stamp,
             increment: self.increment,
+            // Only some increments have events.
+            events: (0..self.increment % 3).map(|_| n.event()).collect(),
             walls: WallForces {
                 normal_force: from_fn(|_| n.next()),
                 displacement: from_fn(|_| n.next()),
@@ -133,6 +137,16 @@ impl Numbers {
         let bits = self.bits();
         let magnitude = f64::from((bits % 41) as i32 - 20);
         (bits as f64 / u64::MAX as f64 - 0.5) * 10f64.powf(magnitude)
+    }
+
+    fn event(&mut self) -> Event {
+        Event {
+            kind: EventKind::StressDrop,
+            stress_before: self.next(),
+            stress_after: self.next(),
+            grains: (0..5).map(|_| self.index()).collect(),
+            displacement: (0..5).map(|_| self.next()).collect(),
+        }
     }
 
     fn index(&mut self) -> u32 {

@@ -123,6 +123,17 @@ class ContactNetwork(IdlStruct, typename="graintwin_msgs.msg.dds_.ContactNetwork
 
 
 @dataclass
+class Event(IdlStruct, typename="graintwin_msgs.msg.dds_.Event_"):
+    header: Header
+    increment: uint64
+    kind: uint8
+    stress_before: float64
+    stress_after: float64
+    grains: sequence[uint32]
+    displacement: sequence[float64]
+
+
+@dataclass
 class Report(IdlStruct, typename="graintwin_msgs.msg.dds_.Report_"):
     header: Header
     session: str
@@ -150,6 +161,7 @@ OUT = {
     "state": Out(PackState, 20000),
     "moduli": Out(Moduli, 20000, latched=True),
     "contact_network": Out(ContactNetwork, 2000),
+    "events": Out(Event, 20000),
     "report": Out(Report, 20000),
 }
 

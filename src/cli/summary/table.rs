@@ -36,6 +36,15 @@ pub(super) fn write(summary: &Summary) -> String {
             significant(summary.solve_seconds, 3),
         ),
     );
+    if let Some(last) = summary.events.last() {
+        let what = format!(
+            "{}, the last in increment {} with {} grains",
+            summary.events.len(),
+            last.increment,
+            last.event.grains.len()
+        );
+        line(&mut text, "events", &what);
+    }
     if summary.frictional {
         let what = format!("{} contacts opened, {} formed", summary.opened, summary.formed);
         line(&mut text, "friction", &what);

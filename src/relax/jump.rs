@@ -1,0 +1,95 @@
+//! Jumps: what an instability did to the pack.
+
+use crate::Vec3;
+use crate::model::Model;
+use crate::relax::balance::{Balance, Sums};
+use crate::state::State;
+
+/// The unbalanced force has grown when it is this many times its least.
+const GROWTH: f64 = 1.5;
+/// A grain jumped when it went further than this many mean overlaps.
+const FAR: f64 = 1.0;
+
+/// Where the grains are.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Pose {
+    /// Centres \[m\], shape (n).
+    pub position: Vec<Vec3>,
+    /// Rotations \[rad\], shape (n) or empty.
+    rotation: Vec<Vec3>,
+}
+
+impl Pose {
+    /// Takes that of `state`.
+    pub(super) fn copy(&mut self, state: &State) {
+        self.position.clone_from(&state.position);
+        self.rotation.clone_from(&state.rotation);
+    }
+
+    /// Puts the grains of `state` here.
+    pub(super) fn restore(&self, state: &mut State) {
+        state.position.copy_from_slice(&self.position);
+        state.rotation.copy_from_slice(&self.rotation);
+    }
+}
+
+/// A rearrangement between two equilibria while the walls stood still.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Jump {
+    /// Mean normal stress of the contacts, the trace over three \[Pa\], where stability was lost.
+    pub stress_before: f64,
+    /// The same at the equilibrium that the pack came to.
+    pub stress_after: f64,
+    /// Grains that went further than the mean overlap, in the solver's order, and how far \[m\].
+    pub grains: Vec<(u32, f64)>,
+}
+
+/// Looks for the point at which stability was lost: on its way down the unbalanced force of the
+/// pack first dies away as if there were an equilibrium, and then grows again.
+#[derive(Clone, Debug, Default)]
+pub struct Watch {
+    position: Vec<Vec3>,
+    virial: f64,
+    least: f64,
+    grown: bool,
+}
+
+impl Watch {
+    /// Sees a configuration of the flow.
+    pub(super) fn see(&mut self, state: &State, balance: &Balance) {
+        if self.grown {
+            return;
+        }
+        let all = balance.gradient.iter().chain(&balance.moment);
+        let square: f64 = all.map(Vec3::norm_squared).sum();
+        if self.position.is_empty() || square < self.least {
+            self.least = square;
+            self.position.clone_from(&state.position);
+            self.virial = balance.sums.virial.iter().sum();
+        } else {
+            self.grown = square > GROWTH * GROWTH * self.least;
+        }
+    }
+
+    /// What happened on the way to the equilibrium `state` with `sums`; `None` where the force
+    /// only fell, or no grain that carries load jumped.
+    pub(super) fn jump(&self, model: &Model, state: &State, sums: &Sums) -> Option<Jump> {
+        if !self.grown {
+            return None;
+        }
+        let far = FAR * sums.mean_overlap();
+        let moved = |i: usize| (state.position[i] - self.position[i]).norm();
+        let grains: Vec<(u32, f64)> = (0..model.len())
+            .filter(|&i| state.carries[i])
+            .map(|i| (i as u32, moved(i)))
+            .filter(|&(_, moved)| moved > far)
+            .collect();
+        let volume = 3.0 * state.bounds(model).volume();
+        let after: f64 = sums.virial.iter().sum();
+        (!grains.is_empty()).then(|| Jump {
+            stress_before: self.virial / volume,
+            stress_after: after / volume,
+            grains,
+        })
+    }
+}
