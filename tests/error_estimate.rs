@@ -55,6 +55,8 @@ fn walk(scene: &Scene, pack: &Pack, random: &mut Random, samples: &mut Vec<Sampl
     exact.solver.max_iterations = Some(100);
     let (mut state, mut work) = (State::new(&model), Workspace::new(&model));
     let mut again = Workspace::new(&exact);
+    // Nobody is there to follow an instability downhill.
+    again.follows = false;
     work.start(&model, &state);
     let mut here = relax(&model, &mut state, &mut work);
     if !here.status.is_equilibrium() {
