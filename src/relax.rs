@@ -223,7 +223,9 @@ impl Workspace {
     #[must_use]
     pub fn heap_bytes(&self) -> usize {
         let single = heap::bytes(&self.shift) + heap::bytes(&self.first_shift);
-        let vectors = [&self.step, &self.turn, &self.trial, &self.trial_rotation, &self.velocity];
+        let steps = [&self.step, &self.turn, &self.first_step, &self.first_turn];
+        let trials = [&self.trial, &self.trial_rotation, &self.velocity];
+        let jumps = self.jumps.iter().map(|jump| heap::bytes(&jump.grains)).sum::<usize>();
         self.neighbours.heap_bytes()
             + self.balance.heap_bytes()
             + self.trial_balance.heap_bytes()
@@ -237,7 +239,10 @@ impl Workspace {
             + single
             + heap::bytes(&self.support)
             + heap::bytes(&self.stride)
-            + vectors.into_iter().map(heap::bytes).sum::<usize>()
+            + heap::bytes(&self.jumps)
+            + jumps
+            + self.origin.heap_bytes()
+            + steps.into_iter().chain(trials).map(heap::bytes).sum::<usize>()
     }
 
     /// Evaluates the balance of `state` in the box `bounds`.

@@ -1,6 +1,7 @@
 //! Jumps: what an instability did to the pack.
 
 use crate::Vec3;
+use crate::heap;
 use crate::model::Model;
 use crate::relax::balance::{Balance, Sums};
 use crate::state::State;
@@ -24,6 +25,11 @@ impl Pose {
     pub(super) fn copy(&mut self, state: &State) {
         self.position.clone_from(&state.position);
         self.rotation.clone_from(&state.rotation);
+    }
+
+    /// Memory that its lists hold \[bytes\].
+    pub(super) fn heap_bytes(&self) -> usize {
+        heap::bytes(&self.position) + heap::bytes(&self.rotation)
     }
 
     /// Puts the grains of `state` here.

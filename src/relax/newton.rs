@@ -111,7 +111,7 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
             None if residual <= tolerance => return end(Status::Converged),
             None => return end(Status::Stalled),
         }
-        if work.concave && work.follows && leapt(model, state, work) {
+        if work.concave && work.follows && leapt(state, work) {
             return Solved { iterations, ..end(Status::Unstable) };
         }
         in_a_row = if shifted { in_a_row + 1 } else { 0 };
@@ -126,10 +126,11 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
 
 /// Whether a grain that carries load is far from where it started: a shifted step goes downhill,
 /// but after many of them the pack may be in another basin than the flow leads to.
-fn leapt(model: &Model, state: &State, work: &Workspace) -> bool {
+fn leapt(state: &State, work: &Workspace) -> bool {
     let far = (LEAP * work.balance.sums.mean_overlap()).powi(2);
-    let moved = |i: usize| (state.position[i] - work.origin.position[i]).norm_squared();
-    (0..model.len()).any(|i| state.carries[i] && moved(i) > far)
+    let moved = state.position.iter().zip(&work.origin.position);
+    (moved.zip(&state.carries))
+        .any(|((at, from), &carries)| carries && (at - from).norm_squared() > far)
 }
 
 /// Takes one step as if contacts that stuck would stick on: moving with the walls without turning
