@@ -252,7 +252,7 @@ fn what_does_not_converge_leaves_the_state_and_the_target() {
 fn after_a_failure_the_answers_are_those_of_a_twin_that_never_failed() {
     let far = by_strain(&pack().bounds, [0.45, 0.45, 0.45]);
     let mut scene = scene();
-    scene.solver.max_iterations = Some(3);
+    scene.solver.max_iterations = Some(12);
     let mut tried = Rig::start(&scene, pack()).0;
     let report = tried.send(far);
     assert_eq!(report.disposition, Disposition::NotConverged, "{}", report.text);
