@@ -38,8 +38,8 @@ impl Shear {
     }
 }
 
-/// Radial return to the Coulomb disc: Q = Q* = Q⁰ᵖ - k u inside, Q_max Q*/|Q*| outside
-/// (physics.md). Its potential is quadratic inside and linear outside, convex and C¹.
+/// Radial return to the Coulomb disc: Q = Q* = Q⁰ᵖ - k u inside, Q_max Q*/|Q*| outside.
+/// Its potential is quadratic inside and linear outside, convex and C¹.
 ///
 /// `limit` is Q_max, 0 to infinite.
 #[must_use]

@@ -55,7 +55,7 @@ impl Neighbours {
     /// Whether the list still holds every contact of `position` in the box `bounds`.
     ///
     /// A pair outside the list was at least a skin apart. The box strain brings it closer by at
-    /// most its own share, the rest takes non-affine displacements (numerics.md).
+    /// most its own share, the rest takes non-affine displacements.
     #[must_use]
     pub fn holds(&self, model: &Model, position: &[Vec3], bounds: &Bounds) -> bool {
         let Some(made_in) = &self.made_in else { return false };

@@ -22,7 +22,7 @@ pub fn from_walls(walls: &WallForces, bounds: &Bounds) -> Matrix3<f64> {
     Matrix3::from_fn(|l, m| if l == m { normal(m) } else { shear(l, m) })
 }
 
-/// Love-Weber stress \[Pa\]: T 2.13 with each grain-grain contact taken once (physics.md).
+/// Love-Weber stress \[Pa\]: T 2.13 with each grain-grain contact taken once.
 #[must_use]
 pub fn from_contacts(contacts: &[Contact], bounds: &Bounds) -> Matrix3<f64> {
     let mut sum = Matrix3::zeros();
