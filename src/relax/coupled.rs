@@ -7,7 +7,7 @@
 //! the shear answers with t = α s + β e (e·s). Terms of the order Q/r against α are left out: they
 //! change the way to the equilibrium, not the equilibrium.
 //!
-//! The rows are cut into the parts of a [`Split`], so that threads can share the work.
+//! The rows are cut into the parts of a split, so that threads can share the work.
 
 mod block6;
 mod joint;

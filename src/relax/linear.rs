@@ -5,7 +5,7 @@
 //! over the earlier neighbours j. With Eisenstat's trick one backward and one forward sweep do
 //! both the product with H and the two triangular solves (SIAM J. Sci. Stat. Comput. 2, 1, 1981).
 //!
-//! The parts of a [`Split`] come first in the order of elimination and its separator last, so
+//! The parts of a split come first in the order of elimination and its separator last, so
 //! that the parts can be swept at the same time.
 
 mod part;
