@@ -3,9 +3,9 @@
 //! [`advance`](advance::advance) moves the walls in sub-increments and calls [`relax`] after each.
 //! That leaves out the grains that cannot carry load ([`rattlers`]), minimises the energy of the
 //! others by [`newton`], and where that runs into an instability follows the grains downhill as
-//! overdamped motion would take them (`downhill`, [`flow`]) and notes who jumped ([`jump`]). The methods of
-//! the seeds take the place of [`newton`] where the scene asks for one: `conjugate_gradient`,
-//! `gauss_seidel` and `dynamic`.
+//! overdamped motion would take them (`downhill`, [`flow`]) and notes who jumped ([`jump`]). The
+//! methods of the seeds take the place of [`newton`] where the scene asks for one:
+//! `conjugate_gradient`, `gauss_seidel` and `dynamic`.
 
 pub mod accuracy;
 pub mod advance;

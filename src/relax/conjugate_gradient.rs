@@ -12,7 +12,6 @@
 
 use crate::Vec3;
 use crate::model::Model;
-use crate::relax::balance::Configuration;
 use crate::relax::newton::{self, Solved};
 use crate::relax::verdict::{Progress, residual, verdict};
 use crate::relax::{Status, Workspace};
@@ -107,13 +106,11 @@ fn search(
     let mut high: Option<Trial> = None;
     let mut alpha = (-slope / (curvature * square)).min(cap);
     for _ in 0..TRIALS {
-        attempt(model, state, work, bounds, alpha);
+        work.try_step(model, state, bounds, alpha);
         let here = Trial { alpha, slope: work.slope(&work.trial_balance) };
         let down = here.slope < 0.0;
         if here.slope.abs() <= SLACK * slope.abs() || (down && alpha >= cap) {
-            std::mem::swap(&mut state.position, &mut work.trial);
-            std::mem::swap(&mut state.rotation, &mut work.trial_rotation);
-            std::mem::swap(&mut work.balance, &mut work.trial_balance);
+            work.accept(state);
             let found = (here.slope - slope) / (alpha * square);
             return Some(if found > 0.0 { found } else { curvature });
         }
@@ -148,26 +145,4 @@ fn longest(model: &Model, work: &Workspace) -> f64 {
     };
     let furthest = f64::max(furthest(&work.step), furthest(&work.turn));
     model.solver.step_cap / furthest.max(f64::MIN_POSITIVE)
-}
-
-/// Takes the balance at `alpha` along the direction.
-fn attempt(model: &Model, state: &State, work: &mut Workspace, bounds: &Bounds, alpha: f64) {
-    work.trial.clear();
-    work.trial.extend(state.position.iter().zip(&work.step).map(|(at, step)| at + step * alpha));
-    work.trial_rotation.clear();
-    work.trial_rotation.extend(
-        (state.rotation.iter().zip(&work.turn).zip(&model.radius))
-            .map(|((at, turn), radius)| at + turn * (alpha / radius)),
-    );
-    work.neighbours.refresh(model, &work.trial, bounds);
-    work.trial_balance.evaluate(&Configuration {
-        model,
-        neighbours: &work.neighbours,
-        position: &work.trial,
-        rotation: &work.trial_rotation,
-        reference: &work.reference,
-        carries: &state.carries,
-        bounds,
-        reference_stiffness: work.reference_stiffness,
-    });
 }

@@ -13,16 +13,14 @@ mod block6;
 mod joint;
 mod part;
 
-use crate::heap;
-use rayon::prelude::*;
-
 use crate::Vec3;
 use crate::contact::Other;
 use crate::contact::neighbours::Neighbours;
+use crate::heap;
 use crate::relax::balance::{Balance, Link};
 use crate::relax::lanes::Four;
 use crate::relax::linear::Inner;
-use crate::relax::split::{Place, Split};
+use crate::relax::split::{Place, Split, for_each, part_of};
 use crate::relax::tangential::{Reference, Traction};
 use block6::Six;
 use joint::Joint;
@@ -74,7 +72,7 @@ impl Coupled {
         }
         for &(i, j) in &self.pairs {
             let meeting = split.meet(i as usize, j);
-            part_of(parts, separator, meeting.part).count(meeting.row);
+            part_of(parts, separator, meeting.part).pattern.count(meeting.row);
         }
         for part in parts.iter_mut().chain([&mut *separator]) {
             part.make_room();
@@ -273,21 +271,9 @@ fn joint(touching: Option<&Link>, live: Option<&Traction>, radii: [f32; 2], scal
     joint
 }
 
-fn part_of<'a>(parts: &'a mut [Part], separator: &'a mut Part, k: usize) -> &'a mut Part {
-    parts.get_mut(k).unwrap_or(separator)
-}
-
 /// Goes `alpha` along the direction; returns the product of the residual with the preconditioned.
 fn descend(parts: &mut [Part], separator: &mut Part, alpha: f32) -> f64 {
     separator.descend(alpha);
     for_each(parts, |part| part.descend(alpha));
     parts.iter().map(|part| part.dot).sum::<f64>() + separator.dot
-}
-
-/// Calls `work` with every part, in parallel where there are several.
-fn for_each(parts: &mut [Part], work: impl Fn(&mut Part) + Sync + Send) {
-    match parts {
-        [only] => work(only),
-        several => several.par_iter_mut().for_each(work),
-    }
 }

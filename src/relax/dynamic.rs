@@ -1,6 +1,6 @@
 //! Motion that local damping brings to rest (B 2.2; Cundall and Strack 1979), as a way to the
-//! equilibrium: leap-frog steps of the equations of motion until the residual holds, with the masses scaled to the grains'
-//! stiffnesses so that all of them follow the same time step.
+//! equilibrium: leap-frog steps of the equations of motion until the residual holds, with the
+//! masses scaled to the grains' stiffnesses so that all of them follow the same time step.
 
 mod mass;
 

@@ -10,14 +10,12 @@
 
 mod part;
 
-use crate::heap;
-use rayon::prelude::*;
-
 use crate::Vec3;
 use crate::contact::neighbours::Neighbours;
+use crate::heap;
 use crate::relax::balance::{Balance, Link};
 use crate::relax::lanes::Four;
-use crate::relax::split::{Place, Split};
+use crate::relax::split::{Place, Split, for_each, part_of};
 use crate::relax::sym3::Sym3;
 use part::Part;
 
@@ -77,7 +75,9 @@ impl Linear {
         } else {
             for (i, link) in contacts(balance, neighbours) {
                 let meeting = self.split.meet(i, link.second);
-                part_of(&mut self.parts, &mut self.separator, meeting.part).count(meeting.row);
+                part_of(&mut self.parts, &mut self.separator, meeting.part)
+                    .pattern
+                    .count(meeting.row);
             }
             for part in self.parts.iter_mut().chain([&mut self.separator]) {
                 part.make_room();
@@ -166,23 +166,11 @@ impl Linear {
     }
 }
 
-fn part_of<'a>(parts: &'a mut [Part], separator: &'a mut Part, k: usize) -> &'a mut Part {
-    parts.get_mut(k).unwrap_or(separator)
-}
-
 /// Goes `alpha` along the direction, or takes the first residual; returns r·z.
 fn descend(parts: &mut [Part], separator: &mut Part, alpha: Option<f32>) -> f64 {
     separator.descend(alpha);
     for_each(parts, |part| part.descend(alpha));
     parts.iter().map(|part| part.dot).sum::<f64>() + separator.dot
-}
-
-/// Calls `work` with every part, in parallel where there are several.
-fn for_each(parts: &mut [Part], work: impl Fn(&mut Part) + Sync + Send) {
-    match parts {
-        [only] => work(only),
-        several => several.par_iter_mut().for_each(work),
-    }
 }
 
 /// Σ v over the rows of `from` that stand for the separator, added to `to`.

@@ -177,8 +177,8 @@ pub fn settle(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
     joined
 }
 
-/// Under gravity and with friction: whether all that keeps the balance from its tolerance is grains that nothing
-/// holds. Those are taken out of the balance, to roll or fall on their own until they are caught,
+/// Under gravity and with friction: whether all that keeps the balance from its tolerance is grains
+/// that nothing holds. Those are taken out of the balance, to roll or fall on their own until they are caught,
 /// or to float where they have no weight or a negligible one among the contact forces.
 pub fn release(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
     let tolerance = model.solver.tolerance;

@@ -5,6 +5,8 @@
 //! separator it keeps in rows of its own behind those of its grains, to be added up part by part:
 //! so the parts can be worked on at the same time, and the bits do not depend on who did it.
 
+use rayon::prelude::*;
+
 use crate::heap;
 use crate::model;
 
@@ -101,6 +103,76 @@ impl Split {
         let (row, late) = if a.part < b.part { (a.row, b.row) } else { (b.row, a.row) };
         let second = self.rows[part] + late;
         Meeting { part, row: row as usize, second, swapped: a.part > b.part }
+    }
+}
+
+/// The pattern of a part's matrix: its contacts by their first row.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Pattern {
+    /// First contact of each row, shape (rows + 1).
+    pub(super) start: Vec<u32>,
+    /// The other row of each contact.
+    pub(super) second: Vec<u32>,
+}
+
+impl Pattern {
+    /// Memory that its lists hold \[bytes\].
+    pub(super) fn heap_bytes(&self) -> usize {
+        heap::bytes(&self.start) + heap::bytes(&self.second)
+    }
+
+    /// Begins with `rows` rows without contacts.
+    pub(super) fn begin(&mut self, rows: usize) {
+        self.start.clear();
+        self.start.resize(rows + 1, 0);
+        self.second.clear();
+    }
+
+    /// Announces a contact of `row`.
+    #[inline(always)]
+    pub(super) fn count(&mut self, row: usize) {
+        self.start[row] += 1;
+    }
+
+    /// Makes room for the contacts announced, and says for how many: `start` becomes the end of
+    /// each row.
+    pub(super) fn make_room(&mut self) -> usize {
+        let mut end = 0;
+        for start in &mut self.start {
+            end += *start;
+            *start = end;
+        }
+        self.second.resize(end as usize, 0);
+        end as usize
+    }
+
+    /// Takes one contact announced and says where it stands; after all of them `start` is where
+    /// each row begins.
+    #[inline(always)]
+    pub(super) fn insert(&mut self, row: usize, second: u32) -> usize {
+        self.start[row] -= 1;
+        let at = self.start[row] as usize;
+        self.second[at] = second;
+        at
+    }
+
+    /// The contacts of row `i`.
+    #[inline(always)]
+    pub(super) fn row(&self, i: usize) -> std::ops::Range<usize> {
+        self.start[i] as usize..self.start[i + 1] as usize
+    }
+}
+
+/// Part `k`, of which the separator is the last.
+pub(super) fn part_of<'a, P>(parts: &'a mut [P], separator: &'a mut P, k: usize) -> &'a mut P {
+    parts.get_mut(k).unwrap_or(separator)
+}
+
+/// Calls `work` with every part, in parallel where there are several.
+pub(super) fn for_each<P: Send>(parts: &mut [P], work: impl Fn(&mut P) + Sync + Send) {
+    match parts {
+        [only] => work(only),
+        several => several.par_iter_mut().for_each(work),
     }
 }
 

@@ -5,6 +5,7 @@ use super::joint::Joint;
 use crate::Vec3;
 use crate::heap;
 use crate::relax::lanes::{self, Four, Kernel, LANE_ROWS, Lanes, dispatch};
+use crate::relax::split::Pattern;
 use crate::relax::sym3::Sym3;
 
 /// Pivots below this share of a row's mean diagonal are lifted to it.
@@ -15,10 +16,8 @@ const SMALL_PIVOT: f32 = 0.02;
 pub(super) struct Part {
     /// The grain of each row.
     grain: Vec<u32>,
-    /// First joint of each row, shape (rows + 1).
-    start: Vec<u32>,
-    /// The other row of each joint.
-    second: Vec<u32>,
+    /// Where its contacts stand.
+    pub(super) pattern: Pattern,
     pub(super) joints: Vec<Joint>,
     /// Contacts with walls, in the order of the rows, and the block that those of a row make.
     wall_joints: Vec<(u32, Joint)>,
@@ -42,8 +41,7 @@ impl Part {
     /// Memory that its lists hold \[bytes\].
     pub(crate) fn heap_bytes(&self) -> usize {
         heap::bytes(&self.grain)
-            + heap::bytes(&self.start)
-            + heap::bytes(&self.second)
+            + self.pattern.heap_bytes()
             + heap::bytes(&self.joints)
             + heap::bytes(&self.wall_joints)
             + heap::bytes(&self.walls)
@@ -59,8 +57,7 @@ impl Part {
     /// Begins an assembly of `rows` grains, with the separator `all` rows.
     pub(super) fn begin(&mut self, rows: usize, all: usize) {
         self.grain.resize(rows, 0);
-        self.start.clear();
-        self.start.resize(rows + 1, 0);
+        self.pattern.begin(rows);
         self.wall_joints.clear();
         self.walls.clear();
         self.diagonal.clear();
@@ -85,29 +82,16 @@ impl Part {
         self.grain[row] = grain;
     }
 
-    /// Announces a joint of `row`.
-    #[inline(always)]
-    pub(super) fn count(&mut self, row: usize) {
-        self.start[row] += 1;
-    }
-
-    /// Makes room for the joints announced: `start` becomes the end of each row.
+    /// Makes room for the contacts announced to the pattern.
     pub(super) fn make_room(&mut self) {
-        let mut end = 0;
-        for start in &mut self.start {
-            end += *start;
-            *start = end;
-        }
-        self.second.resize(end as usize, 0);
-        self.joints.resize(end as usize, Joint::default());
+        let count = self.pattern.make_room();
+        self.joints.resize(count, Joint::default());
     }
 
-    /// Takes one joint announced; after all of them `start` is where each row begins.
+    /// Takes one contact announced.
     #[inline(always)]
     pub(super) fn insert(&mut self, row: usize, second: u32, joint: Joint) {
-        self.start[row] -= 1;
-        let at = self.start[row] as usize;
-        self.second[at] = second;
+        let at = self.pattern.insert(row, second);
         self.joints[at] = joint;
     }
 
@@ -219,7 +203,7 @@ impl Kernel for AddBlocks<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        let Part { grain, start, second, joints, wall_joints, walls, diagonal, .. } = self.part;
+        let Part { grain, pattern, joints, wall_joints, walls, diagonal, .. } = self.part;
         for (row, joint) in &*wall_joints {
             match walls.last_mut() {
                 Some((last, block)) if last == row => joint.add_block(l, 0, block),
@@ -231,8 +215,8 @@ impl Kernel for AddBlocks<'_> {
             }
         }
         for i in 0..grain.len() {
-            let range = start[i] as usize..start[i + 1] as usize;
-            for (joint, &j) in joints[range.clone()].iter().zip(&second[range]) {
+            let range = pattern.row(i);
+            for (joint, &j) in joints[range.clone()].iter().zip(&pattern.second[range]) {
                 joint.add_block(l, 0, &mut diagonal[i]);
                 joint.add_block(l, 1, &mut diagonal[j as usize]);
             }
@@ -249,7 +233,7 @@ impl Kernel for Multiply<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        let Part { start, second, joints, walls, shift, direction, product, .. } = self.part;
+        let Part { pattern, joints, walls, shift, direction, product, .. } = self.part;
         for ((y, x), &s) in product.iter_mut().zip(&*direction).zip(&*shift) {
             let s = l.splat(s);
             l.store(&mut y.u, l.mul(s, l.load(&x.u)));
@@ -267,8 +251,8 @@ impl Kernel for Multiply<'_> {
             let (x, y) = (&direction[i], &product[i]);
             let x = [l.load(&x.u), l.load(&x.w)];
             let mut sum = [l.load(&y.u), l.load(&y.w)];
-            let range = start[i] as usize..start[i + 1] as usize;
-            for (joint, &j) in joints[range.clone()].iter().zip(&second[range]) {
+            let range = pattern.row(i);
+            for (joint, &j) in joints[range.clone()].iter().zip(&pattern.second[range]) {
                 let j = j as usize;
                 sum = joint.multiply(l, x, &direction[j], sum, &mut product[j]);
             }

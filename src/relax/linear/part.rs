@@ -5,6 +5,7 @@ use crate::heap;
 use crate::relax::balance::Link;
 use crate::relax::block::Block;
 use crate::relax::lanes::{self, Four, Kernel, LANE_ROWS, Lanes, dispatch};
+use crate::relax::split::Pattern;
 use crate::relax::sym3::Sym3;
 
 /// A pivot below this share of its row's mean diagonal is lifted to it.
@@ -25,10 +26,8 @@ struct Row {
 pub(super) struct Part {
     /// The grain of each row.
     grain: Vec<u32>,
-    /// First contact of each row, shape (rows + 1).
-    start: Vec<u32>,
-    /// The other row of each contact.
-    second: Vec<u32>,
+    /// Where its contacts stand.
+    pub(super) pattern: Pattern,
     /// (m, -b) of each contact.
     contact: Vec<Four>,
     /// D without shift, also of the separator.
@@ -54,8 +53,7 @@ impl Part {
     /// Memory that its lists hold \[bytes\].
     pub(crate) fn heap_bytes(&self) -> usize {
         heap::bytes(&self.grain)
-            + heap::bytes(&self.start)
-            + heap::bytes(&self.second)
+            + self.pattern.heap_bytes()
             + heap::bytes(&self.contact)
             + heap::bytes(&self.diagonal)
             + heap::bytes(&self.factor)
@@ -71,9 +69,7 @@ impl Part {
     /// Begins an assembly of `rows` grains, with the separator `all` rows.
     pub(super) fn begin(&mut self, rows: usize, all: usize) {
         self.grain.resize(rows, 0);
-        self.start.clear();
-        self.start.resize(rows + 1, 0);
-        self.second.clear();
+        self.pattern.begin(rows);
         self.contact.clear();
         self.diagonal.clear();
         self.diagonal.resize(all, Sym3::default());
@@ -105,36 +101,23 @@ impl Part {
     pub(super) fn push_row(&mut self, row: usize, links: &[Link]) {
         for link in links {
             self.take(row, link.second, link);
-            self.second.push(link.second);
+            self.pattern.second.push(link.second);
             self.contact.push(four(link));
         }
-        self.start[row + 1] = self.second.len() as u32;
+        self.pattern.start[row + 1] = self.pattern.second.len() as u32;
     }
 
-    /// Announces a contact of `row`.
-    #[inline(always)]
-    pub(super) fn count(&mut self, row: usize) {
-        self.start[row] += 1;
-    }
-
-    /// Makes room for the contacts announced: `start` becomes the end of each row.
+    /// Makes room for the contacts announced to the pattern.
     pub(super) fn make_room(&mut self) {
-        let mut end = 0;
-        for start in &mut self.start {
-            end += *start;
-            *start = end;
-        }
-        self.second.resize(end as usize, 0);
-        self.contact.resize(end as usize, Four::default());
+        let count = self.pattern.make_room();
+        self.contact.resize(count, Four::default());
     }
 
-    /// Takes one contact announced; after all of them `start` is where each row begins.
+    /// Takes one contact announced.
     #[inline(always)]
     pub(super) fn insert(&mut self, row: usize, second: u32, link: &Link) {
         self.take(row, second, link);
-        self.start[row] -= 1;
-        let at = self.start[row] as usize;
-        self.second[at] = second;
+        let at = self.pattern.insert(row, second);
         self.contact[at] = four(link);
     }
 
@@ -185,9 +168,9 @@ impl Part {
                 excess: Block::from(&factor.twice_minus(&diagonal)),
             };
             self.scale[i] = Block::from(&factor);
-            for k in self.start[i] as usize..self.start[i + 1] as usize {
+            for k in self.pattern.row(i) {
                 let Four([x, y, z, minus_b]) = self.contact[k];
-                let second = self.second[k] as usize;
+                let second = self.pattern.second[k] as usize;
                 self.factor[second].subtract_product([x, y, z], -minus_b, &inverse);
             }
         }
@@ -247,14 +230,14 @@ impl Kernel for Backward<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        let Part { start, second, contact, rows, direction, t, w, .. } = self.part;
+        let Part { pattern, contact, rows, direction, t, w, .. } = self.part;
         let beta = l.splat(self.beta);
         for (i, row) in rows.iter().enumerate().rev() {
             let p = l.mul_add(beta, l.load(&direction[i]), l.load(&w[i]));
             l.store(&mut direction[i], p);
-            let range = start[i] as usize..start[i + 1] as usize;
+            let range = pattern.row(i);
             let mut sum = p;
-            for (contact, &j) in contact[range.clone()].iter().zip(&second[range]) {
+            for (contact, &j) in contact[range.clone()].iter().zip(&pattern.second[range]) {
                 sum = add_contact(l, sum, l.load(contact), l.load(&t[j as usize]));
             }
             let ti = row.inverse.times(l, sum);
@@ -273,15 +256,15 @@ impl Kernel for Forward<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> f64 {
-        let Part { start, second, contact, rows, direction, t, w, .. } = self.part;
+        let Part { pattern, contact, rows, direction, t, w, .. } = self.part;
         let mut total = 0.0;
         for (chunk, rows) in rows.chunks(LANE_ROWS).enumerate() {
             let mut lanes = l.splat(0.0);
             for (k, row) in rows.iter().enumerate() {
                 let i = chunk * LANE_ROWS + k;
                 let y = row.inverse.times(l, l.load(&w[i]));
-                let range = start[i] as usize..start[i + 1] as usize;
-                for (contact, &j) in contact[range.clone()].iter().zip(&second[range]) {
+                let range = pattern.row(i);
+                for (contact, &j) in contact[range.clone()].iter().zip(&pattern.second[range]) {
                     let to = &mut w[j as usize];
                     let sum = add_contact(l, l.load(to), l.load(contact), y);
                     l.store(to, sum);
