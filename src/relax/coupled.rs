@@ -10,6 +10,7 @@
 //! The rows are cut into the parts of a split, so that threads can share the work.
 
 mod block6;
+mod invert;
 mod joint;
 mod part;
 

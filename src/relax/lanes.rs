@@ -35,6 +35,8 @@ pub(super) trait Lanes: Copy + Send + Sync {
     fn sub(self, a: Self::F, b: Self::F) -> Self::F;
     /// a b.
     fn mul(self, a: Self::F, b: Self::F) -> Self::F;
+    /// a / b.
+    fn div(self, a: Self::F, b: Self::F) -> Self::F;
     /// a b + c, rounded once.
     fn mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F;
     /// c - a b, rounded once.
@@ -47,6 +49,10 @@ pub(super) trait Lanes: Copy + Send + Sync {
     fn zxy(self, a: Self::F) -> Self::F;
     /// The sum of all lanes, (x + y) + (z + w), four times.
     fn sum(self, a: Self::F) -> Self::F;
+    /// Lanes where a >= b, as bits.
+    fn at_least(self, a: Self::F, b: Self::F) -> u32;
+    /// Rows to columns.
+    fn transpose(self, rows: [Self::F; 4]) -> [Self::F; 4];
     /// The four numbers.
     fn array(self, a: Self::F) -> [f32; 4];
 }
@@ -119,6 +125,11 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    fn div(self, a: Self::F, b: Self::F) -> Self::F {
+        std::array::from_fn(|k| a[k] / b[k])
+    }
+
+    #[inline(always)]
     fn mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F {
         std::array::from_fn(|k| a[k].mul_add(b[k], c[k]))
     }
@@ -149,6 +160,16 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    fn at_least(self, a: Self::F, b: Self::F) -> u32 {
+        (0..4).map(|k| u32::from(a[k] >= b[k]) << k).sum()
+    }
+
+    #[inline(always)]
+    fn transpose(self, rows: [Self::F; 4]) -> [Self::F; 4] {
+        std::array::from_fn(|k| rows.map(|row| row[k]))
+    }
+
+    #[inline(always)]
     fn array(self, a: Self::F) -> [f32; 4] {
         a
     }
@@ -157,8 +178,9 @@ impl Lanes for Portable {
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     use std::arch::x86_64::{
-        __m128, _mm_add_ps, _mm_fmadd_ps, _mm_fnmadd_ps, _mm_load_ps, _mm_mul_ps, _mm_permute_ps,
-        _mm_set1_ps, _mm_store_ps, _mm_sub_ps,
+        __m128, _mm_add_ps, _mm_cmpge_ps, _mm_div_ps, _mm_fmadd_ps, _mm_fnmadd_ps, _mm_load_ps,
+        _mm_movehl_ps, _mm_movelh_ps, _mm_movemask_ps, _mm_mul_ps, _mm_permute_ps, _mm_set1_ps,
+        _mm_store_ps, _mm_sub_ps, _mm_unpackhi_ps, _mm_unpacklo_ps,
     };
 
     use super::{Four, Kernel, Lanes};
@@ -217,6 +239,11 @@ mod x86 {
         }
 
         #[inline(always)]
+        fn div(self, a: __m128, b: __m128) -> __m128 {
+            unsafe { _mm_div_ps(a, b) }
+        }
+
+        #[inline(always)]
         fn mul_add(self, a: __m128, b: __m128, c: __m128) -> __m128 {
             unsafe { _mm_fmadd_ps(a, b, c) }
         }
@@ -257,6 +284,25 @@ mod x86 {
         }
 
         #[inline(always)]
+        fn at_least(self, a: __m128, b: __m128) -> u32 {
+            unsafe { _mm_movemask_ps(_mm_cmpge_ps(a, b)).cast_unsigned() }
+        }
+
+        #[inline(always)]
+        fn transpose(self, [a, b, c, d]: [__m128; 4]) -> [__m128; 4] {
+            unsafe {
+                let (ab, cd) = (_mm_unpacklo_ps(a, b), _mm_unpacklo_ps(c, d));
+                let (ab_high, cd_high) = (_mm_unpackhi_ps(a, b), _mm_unpackhi_ps(c, d));
+                [
+                    _mm_movelh_ps(ab, cd),
+                    _mm_movehl_ps(cd, ab),
+                    _mm_movelh_ps(ab_high, cd_high),
+                    _mm_movehl_ps(cd_high, ab_high),
+                ]
+            }
+        }
+
+        #[inline(always)]
         fn array(self, a: __m128) -> [f32; 4] {
             let mut four = Four::default();
             self.store(&mut four, a);
@@ -278,12 +324,15 @@ mod x86 {
             #[inline(always)]
             fn run<L: Lanes>(self, l: L) -> Self::Output {
                 let [a, b, c] = self.0.map(|four| l.load(&four));
-                [
+                let [t0, t1, t2, t3] = l.transpose([a, b, c, l.zxy(a)]);
+                let above = [l.at_least(a, b), l.at_least(b, a), l.at_least(a, a)];
+                let all = [
                     a,
                     l.splat(0.1),
                     l.add(a, b),
                     l.sub(a, b),
                     l.mul(a, b),
+                    l.div(a, b),
                     l.mul_add(a, b, c),
                     l.sub_mul(a, b, c),
                     l.lane::<0>(a),
@@ -293,9 +342,13 @@ mod x86 {
                     l.yzx(a),
                     l.zxy(a),
                     l.sum(a),
-                ]
-                .map(|f| l.array(f).map(f32::to_bits))
-                .to_vec()
+                    t0,
+                    t1,
+                    t2,
+                    t3,
+                ];
+                let bits = all.map(|f| l.array(f).map(f32::to_bits));
+                bits.into_iter().chain([[above[0], above[1], above[2], 0]]).collect()
             }
         }
 

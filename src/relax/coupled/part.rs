@@ -1,15 +1,12 @@
 //! One part of the linear system with friction: its blocks, its products and its vectors.
 
 use super::block6::{Block6, Six};
+use super::invert;
 use super::joint::Joint;
 use crate::Vec3;
 use crate::heap;
 use crate::relax::lanes::{self, Four, Kernel, LANE_ROWS, Lanes, dispatch};
 use crate::relax::split::Pattern;
-use crate::relax::sym3::Sym3;
-
-/// Pivots below this share of a row's mean diagonal are lifted to it.
-const SMALL_PIVOT: f32 = 0.02;
 
 /// Rows of the grains of this part, and behind them those of the separator it touches.
 #[derive(Clone, Debug, Default)]
@@ -111,21 +108,10 @@ impl Part {
     /// Inverts the diagonal blocks shifted by `shift`, one a grain, with unit blocks for rows that
     /// nothing holds.
     pub(super) fn factorise(&mut self, shift: &[f32]) {
-        if self.inverse.is_empty() {
-            self.shift.clear();
-            self.shift.extend(self.grain.iter().map(|&grain| shift[grain as usize]));
-            let inverse = |(d, s): (&Block6, &f32)| inverse(d, *s);
-            self.inverse.extend(self.diagonal.iter().zip(&self.shift).map(inverse));
-            return;
-        }
-        // Another try at the same linearisation: few shifts changed.
-        for (row, &grain) in self.grain.iter().enumerate() {
-            let shift = shift[grain as usize];
-            if self.shift[row] != shift {
-                self.shift[row] = shift;
-                self.inverse[row] = inverse(&self.diagonal[row], shift);
-            }
-        }
+        let fresh = self.inverse.is_empty();
+        self.inverse.resize(self.grain.len(), Block6::default());
+        self.shift.resize(self.grain.len(), 0.0);
+        dispatch(Invert { part: self, shift, fresh });
     }
 
     /// Takes -gradient / unit and -moment / unit as the residual.
@@ -184,14 +170,37 @@ impl Part {
     }
 }
 
-fn inverse(block: &Block6, shift: f32) -> Block6 {
-    let mut block = block.sym6();
-    for part in [&mut block.u, &mut block.w] {
-        if part.trace() == 0.0 {
-            *part = Sym3::diagonal([1.0; 3]);
+struct Invert<'a> {
+    part: &'a mut Part,
+    shift: &'a [f32],
+    /// Whether no inverse is known yet; otherwise few shifts changed.
+    fresh: bool,
+}
+
+impl Kernel for Invert<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) {
+        let Part { grain, diagonal, inverse, shift, .. } = self.part;
+        let (grains, few_grains) = grain.as_chunks::<4>();
+        let (shifts, few_shifts) = shift.as_chunks_mut::<4>();
+        let (inverses, few_inverses) = inverse.as_chunks_mut::<4>();
+        let (blocks, few_blocks) = diagonal[..grain.len()].as_chunks::<4>();
+        let rows = grains.iter().zip(shifts).zip(blocks).zip(inverses);
+        for (((grains, shift), blocks), inverses) in rows {
+            let wanted = grains.map(|grain| self.shift[grain as usize]);
+            if self.fresh || *shift != wanted {
+                *shift = wanted;
+                invert::four(l, blocks, wanted, inverses);
+            }
+        }
+        let rows = few_grains.iter().zip(few_shifts).zip(few_blocks).zip(few_inverses);
+        for (((&grain, shift), block), inverse) in rows {
+            *shift = self.shift[grain as usize];
+            *inverse = invert::one(block, *shift);
         }
     }
-    Block6::from(&block.inverse(shift, SMALL_PIVOT))
 }
 
 struct AddBlocks<'a> {
