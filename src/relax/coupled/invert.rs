@@ -1,7 +1,6 @@
 //! Inverses of the diagonal blocks, four grains at a time.
 
 use super::block6::Block6;
-use crate::relax::block::Block;
 use crate::relax::lanes::{Four, Lanes};
 use crate::relax::sym3::Sym3;
 
@@ -22,75 +21,86 @@ pub(super) fn one(block: &Block6, shift: f32) -> Block6 {
 }
 
 /// The inverses `to` of four `blocks` with `shift` on their diagonals.
+///
+/// Written without closures, which would not be compiled for the instructions in use.
 #[inline(always)]
 pub(super) fn four<L: Lanes>(l: L, blocks: &[Block6; 4], shift: [f32; 4], to: &mut [Block6; 4]) {
-    let lanes = |pick: fn(&Block6) -> &Four| {
-        let [x, y, z, _] = l.transpose(blocks.each_ref().map(|block| l.load(pick(block))));
-        [x, y, z]
+    let [a, b, c, d] = blocks;
+    let u = Sym {
+        on: columns(l, [&a.u.on, &b.u.on, &c.u.on, &d.u.on]),
+        off: columns(l, [&a.u.off, &b.u.off, &c.u.off, &d.u.off]),
     };
-    let u = Sym { on: lanes(|b| &b.u.on), off: lanes(|b| &b.u.off) };
-    let w = Sym { on: lanes(|b| &b.w.on), off: lanes(|b| &b.w.off) };
-    let a = [lanes(|b| &b.uw[0]), lanes(|b| &b.uw[1]), lanes(|b| &b.uw[2])];
+    let w = Sym {
+        on: columns(l, [&a.w.on, &b.w.on, &c.w.on, &d.w.on]),
+        off: columns(l, [&a.w.off, &b.w.off, &c.w.off, &d.w.off]),
+    };
+    // B by its turned diagonals, then by its columns.
+    let [b00, b11, b22] = columns(l, [&a.uw[0], &b.uw[0], &c.uw[0], &d.uw[0]]);
+    let [b01, b12, b20] = columns(l, [&a.uw[1], &b.uw[1], &c.uw[1], &d.uw[1]]);
+    let [b02, b10, b21] = columns(l, [&a.uw[2], &b.uw[2], &c.uw[2], &d.uw[2]]);
+    let b = [[b00, b10, b20], [b01, b11, b21], [b02, b12, b22]];
+
     let held = l.splat(f32::MIN_POSITIVE);
     let held = l.at_least(u.trace(l), held) & l.at_least(w.trace(l), held);
     let shift = l.load(&Four(shift));
     let (u, w) = (u.shifted(l, shift), w.shifted(l, shift));
-    let least = |part: &Sym<L::F>| l.mul(l.splat(SMALL_PIVOT / 3.0), part.trace(l));
-    let least_w = least(&w);
-    // By the Schur complement S = W - Bᵀ U⁻¹ B of U, with B by columns.
-    let b: [[L::F; 3]; 3] = std::array::from_fn(|c| std::array::from_fn(|r| a[(c + 3 - r) % 3][r]));
-    let (inverse_u, good_u) = u.inverse(l, least(&u));
-    let x = b.map(|column| inverse_u.times(l, column));
-    let minus = |l: L, from: L::F, p: &[L::F; 3], q: &[L::F; 3]| {
-        l.sub_mul(p[2], q[2], l.sub_mul(p[1], q[1], l.sub_mul(p[0], q[0], from)))
-    };
-    let complement = Sym {
-        on: std::array::from_fn(|k| minus(l, w.on[k], &b[k], &x[k])),
-        off: std::array::from_fn(|k| {
-            let [i, j] = OFF[k];
-            minus(l, w.off[k], &b[i], &x[j])
-        }),
-    };
-    let (inverse_w, good_w) = complement.inverse(l, least_w);
+    // By the Schur complement S = W - Bᵀ U⁻¹ B of U.
+    let (inverse_u, good_u) = u.inverse(l, u.least_pivot(l));
+    let x = [inverse_u.times(l, b[0]), inverse_u.times(l, b[1]), inverse_u.times(l, b[2])];
+    let (inverse_w, good_w) = w.minus_products(l, &b, &x).inverse(l, w.least_pivot(l));
     // Beside it -(U⁻¹B) S⁻¹, by rows; in the corner U⁻¹ + (U⁻¹B) S⁻¹ (U⁻¹B)ᵀ.
-    let rows: [[L::F; 3]; 3] = std::array::from_fn(|r| x.map(|column| column[r]));
-    let zero = l.splat(0.0);
-    let beside = rows.map(|row| inverse_w.times(l, row).map(|v| l.sub(zero, v)));
-    let corner = Sym {
-        on: std::array::from_fn(|k| minus(l, inverse_u.on[k], &beside[k], &rows[k])),
-        off: std::array::from_fn(|k| {
-            let [i, j] = OFF[k];
-            minus(l, inverse_u.off[k], &beside[i], &rows[j])
-        }),
-    };
-    let fours = |[x, y, z]: [L::F; 3]| {
-        l.transpose([x, y, z, zero]).map(|lanes| {
-            let mut four = Four::default();
-            l.store(&mut four, lanes);
-            four
-        })
-    };
-    let [u_on, u_off, w_on, w_off] =
-        [corner.on, corner.off, inverse_w.on, inverse_w.off].map(fours);
-    let turned = [0, 1, 2].map(|k| fours(std::array::from_fn(|r| beside[r][(r + k) % 3])));
-    for (k, to) in to.iter_mut().enumerate() {
-        *to = Block6 {
-            u: Block { on: u_on[k], off: u_off[k] },
-            w: Block { on: w_on[k], off: w_off[k] },
-            uw: [turned[0][k], turned[1][k], turned[2][k]],
-        };
+    let [[x0, x1, x2], [y0, y1, y2], [z0, z1, z2]] = x;
+    let rows = [[x0, y0, z0], [x1, y1, z1], [x2, y2, z2]];
+    let minus_w = inverse_w.negated(l);
+    let beside = [minus_w.times(l, rows[0]), minus_w.times(l, rows[1]), minus_w.times(l, rows[2])];
+    let corner = inverse_u.minus_products(l, &beside, &rows);
+
+    let [u_on, u_off] = [lines(l, corner.on), lines(l, corner.off)];
+    let [w_on, w_off] = [lines(l, inverse_w.on), lines(l, inverse_w.off)];
+    let [[b00, b01, b02], [b10, b11, b12], [b20, b21, b22]] = beside;
+    let turned = [lines(l, [b00, b11, b22]), lines(l, [b01, b12, b20]), lines(l, [b02, b10, b21])];
+    for k in 0..4 {
+        l.store(&mut to[k].u.on, u_on[k]);
+        l.store(&mut to[k].u.off, u_off[k]);
+        l.store(&mut to[k].w.on, w_on[k]);
+        l.store(&mut to[k].w.off, w_off[k]);
+        l.store(&mut to[k].uw[0], turned[0][k]);
+        l.store(&mut to[k].uw[1], turned[1][k]);
+        l.store(&mut to[k].uw[2], turned[2][k]);
     }
     let good = held & good_u & good_w;
     if good != 0b1111 {
-        let shift = l.array(shift);
-        for k in (0..4).filter(|k| good >> k & 1 == 0) {
-            to[k] = one(&blocks[k], shift[k]);
-        }
+        redo(blocks, l.array(shift), good, to);
     }
 }
 
-/// Row and column of the entries beside the diagonal: xy, yz, xz.
-const OFF: [[usize; 2]; 3] = [[0, 1], [1, 2], [0, 2]];
+/// Inverts alone the blocks that are not `good`.
+#[cold]
+#[inline(never)]
+fn redo(blocks: &[Block6; 4], shift: [f32; 4], good: u32, to: &mut [Block6; 4]) {
+    for k in (0..4).filter(|k| good >> k & 1 == 0) {
+        to[k] = one(&blocks[k], shift[k]);
+    }
+}
+
+/// The entries 0, 1 and 2 of four places, each in a register.
+#[inline(always)]
+fn columns<L: Lanes>(l: L, [a, b, c, d]: [&Four; 4]) -> [L::F; 3] {
+    let [x, y, z, _] = l.transpose([l.load(a), l.load(b), l.load(c), l.load(d)]);
+    [x, y, z]
+}
+
+/// The way back from [`columns`].
+#[inline(always)]
+fn lines<L: Lanes>(l: L, [x, y, z]: [L::F; 3]) -> [L::F; 4] {
+    l.transpose([x, y, z, l.splat(0.0)])
+}
+
+/// from - p·q.
+#[inline(always)]
+fn minus_dot<L: Lanes>(l: L, from: L::F, p: &[L::F; 3], q: &[L::F; 3]) -> L::F {
+    l.sub_mul(p[2], q[2], l.sub_mul(p[1], q[1], l.sub_mul(p[0], q[0], from)))
+}
 
 /// Symmetric 3x3 blocks, one in each lane.
 #[derive(Clone, Copy)]
@@ -108,15 +118,51 @@ impl<F: Copy> Sym<F> {
     }
 
     #[inline(always)]
-    fn shifted<L: Lanes<F = F>>(&self, l: L, shift: F) -> Self {
-        Self { on: self.on.map(|x| l.add(x, shift)), off: self.off }
+    fn least_pivot<L: Lanes<F = F>>(&self, l: L) -> F {
+        l.mul(l.splat(SMALL_PIVOT / 3.0), self.trace(l))
     }
 
     #[inline(always)]
-    fn times<L: Lanes<F = F>>(&self, l: L, [x, y, z]: [F; 3]) -> [F; 3] {
+    fn shifted<L: Lanes<F = F>>(&self, l: L, shift: F) -> Self {
+        let [xx, yy, zz] = self.on;
+        Self { on: [l.add(xx, shift), l.add(yy, shift), l.add(zz, shift)], off: self.off }
+    }
+
+    #[inline(always)]
+    fn negated<L: Lanes<F = F>>(&self, l: L) -> Self {
+        let (zero, [xx, yy, zz], [xy, yz, xz]) = (l.splat(0.0), self.on, self.off);
+        Self {
+            on: [l.sub(zero, xx), l.sub(zero, yy), l.sub(zero, zz)],
+            off: [l.sub(zero, xy), l.sub(zero, yz), l.sub(zero, xz)],
+        }
+    }
+
+    #[inline(always)]
+    fn times<L: Lanes<F = F>>(&self, l: L, v: [F; 3]) -> [F; 3] {
         let ([xx, yy, zz], [xy, yz, xz]) = (self.on, self.off);
-        [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
-            .map(|[a, b, c]| l.mul_add(c, z, l.mul_add(b, y, l.mul(a, x))))
+        let [x, y, z] = v;
+        [
+            l.mul_add(xz, z, l.mul_add(xy, y, l.mul(xx, x))),
+            l.mul_add(yz, z, l.mul_add(yy, y, l.mul(xy, x))),
+            l.mul_add(zz, z, l.mul_add(yz, y, l.mul(xz, x))),
+        ]
+    }
+
+    /// This block minus the products of the vectors `p` and `q`, which make a symmetric block.
+    #[inline(always)]
+    fn minus_products<L: Lanes<F = F>>(&self, l: L, p: &[[F; 3]; 3], q: &[[F; 3]; 3]) -> Self {
+        Self {
+            on: [
+                minus_dot(l, self.on[0], &p[0], &q[0]),
+                minus_dot(l, self.on[1], &p[1], &q[1]),
+                minus_dot(l, self.on[2], &p[2], &q[2]),
+            ],
+            off: [
+                minus_dot(l, self.off[0], &p[0], &q[1]),
+                minus_dot(l, self.off[1], &p[1], &q[2]),
+                minus_dot(l, self.off[2], &p[0], &q[2]),
+            ],
+        }
     }
 
     /// The inverse, and the lanes where all pivots are at least `floor` > 0, as bits; elsewhere it
@@ -124,23 +170,39 @@ impl<F: Copy> Sym<F> {
     #[inline(always)]
     fn inverse<L: Lanes<F = F>>(&self, l: L, floor: F) -> (Self, u32) {
         let ([xx, yy, zz], [xy, yz, xz]) = (self.on, self.off);
-        let minor = |a, b, c, d| l.sub_mul(c, d, l.mul(a, b)); // ab - cd
-        let on = [minor(yy, zz, yz, yz), minor(xx, zz, xz, xz), minor(xx, yy, xy, xy)];
-        let off = [minor(xz, yz, xy, zz), minor(xy, xz, xx, yz), minor(xy, yz, xz, yy)];
-        let determinant = l.mul_add(xz, off[2], l.mul_add(xy, off[0], l.mul(xx, on[0])));
+        let [of_xx, of_yy, of_zz] = [
+            minor(l, [yy, zz], [yz, yz]),
+            minor(l, [xx, zz], [xz, xz]),
+            minor(l, [xx, yy], [xy, xy]),
+        ];
+        let [of_xy, of_yz, of_xz] = [
+            minor(l, [xz, yz], [xy, zz]),
+            minor(l, [xy, xz], [xx, yz]),
+            minor(l, [xy, yz], [xz, yy]),
+        ];
+        let determinant = l.mul_add(xz, of_xz, l.mul_add(xy, of_xy, l.mul(xx, of_xx)));
         // The pivots are xx, the minor of zz over xx and the determinant over that minor.
         let good = l.at_least(xx, floor)
-            & l.at_least(on[2], l.mul(floor, xx))
-            & l.at_least(determinant, l.mul(floor, on[2]))
+            & l.at_least(of_zz, l.mul(floor, xx))
+            & l.at_least(determinant, l.mul(floor, of_zz))
             & l.at_least(determinant, l.splat(f32::MIN_POSITIVE));
         let over = l.div(l.splat(1.0), determinant);
-        (Self { on: on.map(|x| l.mul(x, over)), off: off.map(|x| l.mul(x, over)) }, good)
+        let on = [l.mul(of_xx, over), l.mul(of_yy, over), l.mul(of_zz, over)];
+        let off = [l.mul(of_xy, over), l.mul(of_yz, over), l.mul(of_xz, over)];
+        (Self { on, off }, good)
     }
+}
+
+/// ab - cd.
+#[inline(always)]
+fn minor<L: Lanes>(l: L, [a, b]: [L::F; 2], [c, d]: [L::F; 2]) -> L::F {
+    l.sub_mul(c, d, l.mul(a, b))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::relax::block::Block;
     use crate::relax::lanes::{Kernel, Portable, dispatch};
 
     /// A block whose entries are of the size `spread` beside a diagonal of about one.

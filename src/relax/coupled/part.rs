@@ -189,7 +189,9 @@ impl Kernel for Invert<'_> {
         let (blocks, few_blocks) = diagonal[..grain.len()].as_chunks::<4>();
         let rows = grains.iter().zip(shifts).zip(blocks).zip(inverses);
         for (((grains, shift), blocks), inverses) in rows {
-            let wanted = grains.map(|grain| self.shift[grain as usize]);
+            let [a, b, c, d] = *grains;
+            let at = self.shift;
+            let wanted = [at[a as usize], at[b as usize], at[c as usize], at[d as usize]];
             if self.fresh || *shift != wanted {
                 *shift = wanted;
                 invert::four(l, blocks, wanted, inverses);
