@@ -13,6 +13,7 @@ pub mod balance;
 mod block;
 mod conjugate_gradient;
 pub mod coupled;
+mod crew;
 mod downhill;
 mod dynamic;
 pub mod fire;

@@ -12,19 +12,23 @@
 mod block6;
 mod invert;
 mod joint;
+mod list;
 mod part;
 
+use std::sync::RwLock;
+
 use crate::Vec3;
-use crate::contact::Other;
 use crate::contact::neighbours::Neighbours;
 use crate::heap;
-use crate::relax::balance::{Balance, Link};
+use crate::model;
+use crate::relax::balance::Balance;
+use crate::relax::crew::{read, together, write};
 use crate::relax::lanes::Four;
 use crate::relax::linear::Inner;
-use crate::relax::split::{Place, Split, for_each, part_of};
-use crate::relax::tangential::{Reference, Traction};
+use crate::relax::split::{Place, Split, for_each};
+use crate::relax::tangential::Reference;
 use block6::Six;
-use joint::Joint;
+use list::{List, Lists, Sources};
 use part::Part;
 
 /// Bending of a grain without contacts, over the reference stiffness.
@@ -33,13 +37,8 @@ const NO_BENDING: f32 = 1e-9;
 /// The linear system and the vectors of its solution.
 #[derive(Clone, Debug, Default)]
 pub struct Coupled {
-    /// Contacts between grains as they come, with the grains they join.
-    joints: Vec<Joint>,
-    pairs: Vec<(u32, u32)>,
-    /// Contacts of a grain with walls.
-    walls: Vec<(u32, Joint)>,
-    /// Sum of P/r of each grain.
-    bending: Vec<f32>,
+    /// Contacts of the grains in their order, part by part; empty where that is the only part.
+    lists: Vec<List>,
     split: Split,
     parts: Vec<Part>,
     separator: Part,
@@ -57,100 +56,44 @@ impl Coupled {
         radius: &[f64],
         reference_stiffness: f64,
     ) {
-        self.join(balance, near, reference, radius, reference_stiffness);
-        self.split.arrange(balance.gradient.len(), self.pairs.iter().copied());
-        let Self { split, parts, separator, .. } = self;
-        parts.resize_with(split.parts(), Part::default);
-        for (k, part) in parts.iter_mut().chain([&mut *separator]).enumerate() {
-            part.begin(split.rows(k), split.rows_with_separator(k));
-        }
-        for (i, &Place { part, row }) in split.places().iter().enumerate() {
-            part_of(parts, separator, part as usize).place(row as usize, i as u32);
-        }
-        for (i, joint) in &self.walls {
-            let Place { part, row } = split.places()[*i as usize];
-            part_of(parts, separator, part as usize).insert_wall(row, *joint);
-        }
-        for &(i, j) in &self.pairs {
-            let meeting = split.meet(i as usize, j);
-            part_of(parts, separator, meeting.part).pattern.count(meeting.row);
-        }
-        for part in parts.iter_mut().chain([&mut *separator]) {
-            part.make_room();
-        }
-        for (&(i, j), joint) in self.pairs.iter().zip(&self.joints) {
-            let meeting = split.meet(i as usize, j);
-            let joint = if meeting.swapped { joint.swapped() } else { *joint };
-            part_of(parts, separator, meeting.part).insert(meeting.row, meeting.second, joint);
-        }
-        separator.add_blocks();
-        for_each(parts, Part::add_blocks);
-        for part in &*parts {
-            for (to, from) in separator.diagonal.iter_mut().zip(&part.diagonal[part.rows()..]) {
-                to.add(from);
-            }
-        }
-    }
-
-    /// Lists the contacts that touch, those that hold shear, and those that do both, in order.
-    fn join(
-        &mut self,
-        balance: &Balance,
-        near: &Neighbours,
-        reference: &Reference,
-        radius: &[f64],
-        reference_stiffness: f64,
-    ) {
-        let rows = balance.gradient.len();
         let scale = (1.0 / reference_stiffness) as f32;
-        let radius = |i: usize| radius[i] as f32;
-        self.joints.clear();
-        self.pairs.clear();
-        self.walls.clear();
-        self.bending.clear();
-        self.bending.resize(rows, 0.0);
-        let mut held = reference.contacts.iter().zip(&balance.tractions).peekable();
-        for i in 0..rows {
-            let first = near.row(i).start;
-            let mut links = balance.links[first..first + balance.links_in_row[i] as usize].iter();
-            let mut link = links.next();
-            loop {
-                let traction = held.peek().and_then(|(h, t)| match h.second {
-                    Other::Grain(j) if h.first as usize == i => Some((j, *t)),
-                    _ => None,
-                });
-                let (second, touching, shearing) = match (link, traction) {
-                    (None, None) => break,
-                    (Some(l), Some((j, t))) if l.second == j => (j, Some(l), Some(t)),
-                    (Some(l), Some((j, _))) if l.second < j => (l.second, Some(l), None),
-                    (Some(l), None) => (l.second, Some(l), None),
-                    (_, Some((j, t))) => (j, None, Some(t)),
-                };
-                if shearing.is_some() {
-                    held.next();
-                }
-                if let Some(l) = touching {
-                    self.bending[i] += l.b;
-                    self.bending[second as usize] += l.b;
-                    link = links.next();
-                }
-                let live = shearing.filter(|t| t.live);
-                if touching.is_some() || live.is_some() {
-                    let radii = [radius(i), radius(second as usize)];
-                    self.joints.push(joint(touching, live, radii, scale));
-                    self.pairs.push((i as u32, second));
-                }
+        let sources = Sources { balance, near, reference, radius, scale };
+        let n = balance.gradient.len();
+        let Self { split, parts, separator, lists, .. } = self;
+        let count = model::parts(n);
+        let length = n.div_ceil(count).max(1);
+        lists.resize_with(if count == 1 { 0 } else { count }, List::default);
+        for_each(lists, |k, list| {
+            list.join(k * length..((k + 1) * length).min(n), sources);
+        });
+        let mut number = 0;
+        for list in lists.iter_mut() {
+            list.number = number;
+            number += list.joints.len() as u32;
+        }
+        let lists = Lists { lists, length };
+        split.arrange(n, &lists);
+        let split = &*split;
+        parts.resize_with(count, Part::default);
+        for_each(parts, |k, part| {
+            part.begin(split.rows(k), split.rows_with_separator(k));
+            for (i, at) in split.range(k).filter(|(_, at)| at.part as usize == k) {
+                part.place(at.row as usize, i as u32);
             }
-            for (axis, &k) in
-                balance.wall_stiffness[i].iter().enumerate().filter(|(_, k)| **k != 0.0)
-            {
-                self.walls.push((i as u32, Joint::wall(axis, k)));
+            match count {
+                1 => part.list.join(0..n, sources),
+                _ => part.take_contacts(split, k, &lists),
             }
-            while let Some((_, t)) = held.next_if(|(h, _)| h.first as usize == i) {
-                if t.live {
-                    self.walls.push((i as u32, joint(None, Some(t), [radius(i); 2], scale)));
-                }
-            }
+            part.add_blocks();
+        });
+        separator.begin(split.rows(count), split.rows_with_separator(count));
+        for (i, at) in split.separator() {
+            separator.place(at.row as usize, i as u32);
+        }
+        separator.take_between(split, parts, &lists);
+        separator.add_blocks();
+        for part in &*parts {
+            separator.add_tail(part);
         }
     }
 
@@ -158,7 +101,7 @@ impl Coupled {
     /// units of the reference stiffness.
     pub fn factorise(&mut self, shift: &[f32]) {
         self.separator.factorise(shift);
-        for_each(&mut self.parts, |part| part.factorise(shift));
+        for_each(&mut self.parts, |_, part| part.factorise(shift));
     }
 
     /// Solves (H + Σ) s = -g until the preconditioned residual fell by `forcing`; `moment` is the
@@ -172,38 +115,55 @@ impl Coupled {
         most: u32,
     ) -> Inner {
         let Self { parts, separator, products, .. } = self;
-        separator.start(gradient, moment, unit);
-        for_each(parts, |part| part.start(gradient, moment, unit));
-        let mut rho = descend(parts, separator, 0.0);
-        let target = rho * forcing * forcing;
-        let mut beta = 0.0;
-        for _ in 0..most {
-            if rho <= target || rho <= 0.0 {
-                break;
+        let separator = RwLock::new(separator);
+        let work = |part: &mut Part, order: Order| match order {
+            Order::Start => {
+                part.start(gradient, moment, unit);
+                part.descend(0.0);
             }
-            *products += 1;
-            separator.turn(beta);
-            separator.multiply();
-            let late = &separator.direction;
-            for_each(parts, |part| {
+            Order::Multiply { beta } => {
                 part.turn(beta);
-                part.take_separator(late);
+                part.take_separator(&read(&separator).direction);
                 part.multiply();
                 part.measure();
-            });
-            for part in &*parts {
-                separator.gather(part);
             }
-            separator.measure();
-            let curvature = parts.iter().map(|part| part.dot).sum::<f64>() + separator.dot;
-            if curvature <= 0.0 || curvature.is_nan() {
-                return Inner::NegativeCurvature;
+            Order::Descend { alpha } => part.descend(alpha),
+        };
+        together(parts, Order::Start, work, |crew| {
+            let sum =
+                |separator: &Part| crew.parts().map(|part| part.dot).sum::<f64>() + separator.dot;
+            write(&separator).start(gradient, moment, unit);
+            write(&separator).descend(0.0);
+            crew.call(Order::Start);
+            let mut rho = sum(&read(&separator));
+            let target = rho * forcing * forcing;
+            let mut beta = 0.0;
+            for _ in 0..most {
+                if rho <= target || rho <= 0.0 {
+                    break;
+                }
+                *products += 1;
+                write(&separator).turn(beta);
+                crew.call(Order::Multiply { beta });
+                let curvature = {
+                    let mut separator = write(&separator);
+                    separator.multiply();
+                    crew.parts().for_each(|part| separator.gather(&part));
+                    separator.measure();
+                    sum(&separator)
+                };
+                if curvature <= 0.0 || curvature.is_nan() {
+                    return Inner::NegativeCurvature;
+                }
+                let alpha = (rho / curvature) as f32;
+                write(&separator).descend(alpha);
+                crew.call(Order::Descend { alpha });
+                let next = sum(&read(&separator));
+                beta = (next / rho) as f32;
+                rho = next;
             }
-            let next = descend(parts, separator, (rho / curvature) as f32);
-            beta = (next / rho) as f32;
-            rho = next;
-        }
-        Inner::Step
+            Inner::Step
+        })
     }
 
     /// After [`Inner::NegativeCurvature`]: the part of the curvature in the unknowns of grain `i`.
@@ -216,15 +176,13 @@ impl Coupled {
     /// Sum of P/r over the contacts of each grain, in units of the reference stiffness; a little
     /// more than none for grains without contacts.
     pub fn bending(&self) -> impl Iterator<Item = f32> {
-        self.bending.iter().map(|b| b.max(NO_BENDING))
+        self.split.places().iter().map(|at| self.part(at.part).bending(at.row).max(NO_BENDING))
     }
 
     /// Memory that its lists hold \[bytes\].
     pub(crate) fn heap_bytes(&self) -> usize {
-        heap::bytes(&self.joints)
-            + heap::bytes(&self.pairs)
-            + heap::bytes(&self.walls)
-            + heap::bytes(&self.bending)
+        heap::bytes(&self.lists)
+            + self.lists.iter().map(List::heap_bytes).sum::<usize>()
             + heap::bytes(&self.parts)
             + self.split.heap_bytes()
             + self.separator.heap_bytes()
@@ -245,6 +203,16 @@ impl Coupled {
 }
 
 impl Part {
+    /// The blocks that `part` has for this separator.
+    fn add_tail(&mut self, part: &Self) {
+        for (to, from) in self.diagonal.iter_mut().zip(&part.diagonal[part.rows()..]) {
+            to.add(from);
+        }
+        for (to, from) in self.bending.iter_mut().zip(&part.bending[part.rows()..]) {
+            *to += from;
+        }
+    }
+
     /// What the product of `part` leaves for this separator.
     fn gather(&mut self, part: &Self) {
         let add = |Four(to): &mut Four, Four(from): &Four| {
@@ -260,21 +228,13 @@ impl Part {
     }
 }
 
-/// The contact of a touching pair, a pair that holds shear, or both.
-fn joint(touching: Option<&Link>, live: Option<&Traction>, radii: [f32; 2], scale: f32) -> Joint {
-    let mut joint = Joint::default();
-    if let Some(link) = touching {
-        joint.press(link.m, link.b);
-    }
-    if let Some(traction) = live {
-        joint.shear(traction, radii, scale);
-    }
-    joint
-}
-
-/// Goes `alpha` along the direction; returns the product of the residual with the preconditioned.
-fn descend(parts: &mut [Part], separator: &mut Part, alpha: f32) -> f64 {
-    separator.descend(alpha);
-    for_each(parts, |part| part.descend(alpha));
-    parts.iter().map(|part| part.dot).sum::<f64>() + separator.dot
+/// What the parts do between two points where all must have come.
+#[derive(Clone, Copy, Debug)]
+enum Order {
+    /// The first residual.
+    Start,
+    /// A product with the next direction.
+    Multiply { beta: f32 },
+    /// Along the direction.
+    Descend { alpha: f32 },
 }

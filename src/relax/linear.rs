@@ -10,12 +10,15 @@
 
 mod part;
 
+use std::sync::RwLock;
+
 use crate::Vec3;
 use crate::contact::neighbours::Neighbours;
 use crate::heap;
-use crate::relax::balance::{Balance, Link};
+use crate::relax::balance::Balance;
+use crate::relax::crew::{read, together, write};
 use crate::relax::lanes::Four;
-use crate::relax::split::{Place, Split, for_each, part_of};
+use crate::relax::split::{Contacts, Place, Split, for_each};
 use crate::relax::sym3::Sym3;
 use part::Part;
 
@@ -38,68 +41,53 @@ pub struct Linear {
     pub products: u64,
 }
 
-/// The contacts of `balance`: the first grain of each, and the rest.
-fn contacts<'a>(
+/// The contacts of a balance.
+struct Touching<'a> {
     balance: &'a Balance,
     neighbours: &'a Neighbours,
-) -> impl Iterator<Item = (usize, &'a Link)> {
-    (0..balance.gradient.len()).flat_map(|i| {
-        let first = neighbours.row(i).start;
-        let row = &balance.links[first..first + balance.links_in_row[i] as usize];
-        row.iter().map(move |link| (i, link))
-    })
+}
+
+impl Contacts for Touching<'_> {
+    #[inline(always)]
+    fn row(&self, i: usize) -> impl Iterator<Item = (u32, u32)> {
+        let first = self.neighbours.row(i).start;
+        let row = &self.balance.links[first..first + self.balance.links_in_row[i] as usize];
+        row.iter().zip(first as u32..).map(|(link, k)| (link.second, k))
+    }
 }
 
 impl Linear {
     /// Takes the linearisation of `balance`; grains without contacts get a unit block.
     pub fn assemble(&mut self, balance: &Balance, neighbours: &Neighbours) {
-        let rows = balance.gradient.len();
-        let pairs = contacts(balance, neighbours).map(|(i, link)| (i as u32, link.second));
-        self.split.arrange(rows, pairs);
-        let parts = self.split.parts();
-        self.parts.resize_with(parts, Part::default);
-        for (k, part) in self.parts.iter_mut().chain([&mut self.separator]).enumerate() {
-            part.begin(self.split.rows(k), self.split.rows_with_separator(k));
-        }
-        for (i, &Place { part, row }) in self.split.places().iter().enumerate() {
-            let part = part_of(&mut self.parts, &mut self.separator, part as usize);
-            part.place(row as usize, i as u32, balance.wall_stiffness[i]);
-        }
-        if parts == 1 {
-            // The contacts are in order already.
-            let part = &mut self.parts[0];
-            for i in 0..rows {
-                let first = neighbours.row(i).start;
-                part.push_row(i, &balance.links[first..][..balance.links_in_row[i] as usize]);
+        let contacts = Touching { balance, neighbours };
+        let Self { split, parts, separator, .. } = self;
+        split.arrange(balance.gradient.len(), &contacts);
+        let split = &*split;
+        parts.resize_with(split.parts(), Part::default);
+        for_each(parts, |k, part| {
+            part.begin(split.rows(k), split.rows_with_separator(k));
+            for (i, at) in split.range(k).filter(|(_, at)| at.part as usize == k) {
+                part.place(at.row as usize, i as u32, balance.wall_stiffness[i]);
             }
-        } else {
-            for (i, link) in contacts(balance, neighbours) {
-                let meeting = self.split.meet(i, link.second);
-                part_of(&mut self.parts, &mut self.separator, meeting.part)
-                    .pattern
-                    .count(meeting.row);
-            }
-            for part in self.parts.iter_mut().chain([&mut self.separator]) {
-                part.make_room();
-            }
-            for (i, link) in contacts(balance, neighbours) {
-                let meeting = self.split.meet(i, link.second);
-                let part = part_of(&mut self.parts, &mut self.separator, meeting.part);
-                part.insert(meeting.row, meeting.second, link);
-            }
-        }
-        for part in &self.parts {
-            self.separator.add_diagonals(part);
-        }
-        for part in self.parts.iter_mut().chain([&mut self.separator]) {
+            part.take_contacts(split, k, &contacts, &balance.links);
             part.fill_empty_rows();
+        });
+        let late = split.parts();
+        separator.begin(split.rows(late), split.rows_with_separator(late));
+        for (i, at) in split.separator() {
+            separator.place(at.row as usize, i as u32, balance.wall_stiffness[i]);
         }
+        separator.take_between(parts, &balance.links);
+        for part in &*parts {
+            separator.add_diagonals(part);
+        }
+        separator.fill_empty_rows();
     }
 
     /// Factorises H + Σ, where Σ shifts the block of grain i by `shift[i]` in units of the
     /// reference stiffness.
     pub fn factorise(&mut self, shift: &[f32]) {
-        for_each(&mut self.parts, |part| part.factorise(shift));
+        for_each(&mut self.parts, |_, part| part.factorise(shift));
         self.separator.begin_factor(shift);
         for part in &self.parts {
             self.separator.add_factors(part);
@@ -112,39 +100,56 @@ impl Linear {
     /// `unit` is the force that right-hand side and step are scaled by.
     pub fn solve(&mut self, gradient: &[Vec3], unit: f64, forcing: f64, most: u32) -> Inner {
         let Self { parts, separator, products, .. } = self;
-        separator.start(gradient, unit);
-        for_each(parts, |part| {
-            part.start(gradient, unit);
-            part.forward();
-        });
-        separator.gather(parts);
-        separator.forward();
-        let mut rho = descend(parts, separator, None);
-        let target = rho * forcing * forcing;
-        let mut beta = 0.0;
-        for _ in 0..most {
-            if rho <= target || rho <= 0.0 {
-                break;
+        let separator = RwLock::new(separator);
+        let work = |part: &mut Part, order: Order| match order {
+            Order::Start => {
+                part.start(gradient, unit);
+                part.forward();
             }
-            *products += 1;
-            separator.backward(beta);
-            let late = &separator.t;
-            for_each(parts, |part| {
-                part.take_separator(late);
+            Order::Sweep { beta } => {
+                part.take_separator(&read(&separator).t);
                 part.backward(beta);
                 part.forward();
-            });
-            separator.gather(parts);
-            separator.forward();
-            let curvature = parts.iter().map(|part| part.dot).sum::<f64>() + separator.dot;
-            if curvature <= 0.0 || curvature.is_nan() {
-                return Inner::NegativeCurvature;
             }
-            let next = descend(parts, separator, Some((rho / curvature) as f32));
-            beta = (next / rho) as f32;
-            rho = next;
-        }
-        Inner::Step
+            Order::Descend { alpha } => part.descend(alpha),
+        };
+        together(parts, Order::Start, work, |crew| {
+            let sum =
+                |separator: &Part| crew.parts().map(|part| part.dot).sum::<f64>() + separator.dot;
+            let descend = |alpha: Option<f32>| {
+                write(&separator).descend(alpha);
+                crew.call(Order::Descend { alpha });
+                sum(&read(&separator))
+            };
+            let forward = || {
+                let mut separator = write(&separator);
+                crew.parts().for_each(|part| separator.gather(&part));
+                separator.forward();
+            };
+            write(&separator).start(gradient, unit);
+            crew.call(Order::Start);
+            forward();
+            let mut rho = descend(None);
+            let target = rho * forcing * forcing;
+            let mut beta = 0.0;
+            for _ in 0..most {
+                if rho <= target || rho <= 0.0 {
+                    break;
+                }
+                *products += 1;
+                write(&separator).backward(beta);
+                crew.call(Order::Sweep { beta });
+                forward();
+                let curvature = sum(&read(&separator));
+                if curvature <= 0.0 || curvature.is_nan() {
+                    return Inner::NegativeCurvature;
+                }
+                let next = descend(Some((rho / curvature) as f32));
+                beta = (next / rho) as f32;
+                rho = next;
+            }
+            Inner::Step
+        })
     }
 
     /// Memory that its lists hold \[bytes\].
@@ -166,11 +171,15 @@ impl Linear {
     }
 }
 
-/// Goes `alpha` along the direction, or takes the first residual; returns r·z.
-fn descend(parts: &mut [Part], separator: &mut Part, alpha: Option<f32>) -> f64 {
-    separator.descend(alpha);
-    for_each(parts, |part| part.descend(alpha));
-    parts.iter().map(|part| part.dot).sum::<f64>() + separator.dot
+/// What the parts do between two points where all must have come.
+#[derive(Clone, Copy, Debug)]
+enum Order {
+    /// The first residual.
+    Start,
+    /// Both sweeps of a product.
+    Sweep { beta: f32 },
+    /// Along the direction.
+    Descend { alpha: Option<f32> },
 }
 
 /// Σ v over the rows of `from` that stand for the separator, added to `to`.
@@ -191,14 +200,12 @@ impl Part {
         add_late(&mut self.factor, &part.factor[part.rows()..], Sym3::add);
     }
 
-    /// What the forward sweeps of `parts` leave for this separator.
-    fn gather(&mut self, parts: &[Self]) {
-        for part in parts {
-            add_late(&mut self.w, &part.w[part.rows()..], |Four(to), Four(from)| {
-                for (to, from) in to.iter_mut().zip(from) {
-                    *to += from;
-                }
-            });
-        }
+    /// What the forward sweep of `part` leaves for this separator.
+    fn gather(&mut self, part: &Self) {
+        add_late(&mut self.w, &part.w[part.rows()..], |Four(to), Four(from)| {
+            for (to, from) in to.iter_mut().zip(from) {
+                *to += from;
+            }
+        });
     }
 }

@@ -15,7 +15,7 @@ pub(super) struct Joint {
     /// kn + P/r.
     axial: f32,
     /// P/r.
-    b: f32,
+    pub(super) b: f32,
     /// α.
     across: f32,
     /// β, along minus across.
@@ -27,12 +27,17 @@ pub(super) struct Joint {
 }
 
 impl Joint {
-    /// Takes the normal part of the linearisation.
-    pub(super) fn press(&mut self, m: [f32; 3], b: f32) {
-        let length = (m[0] * m[0] + m[1] * m[1] + m[2] * m[2]).sqrt();
+    /// Of a pair that touches.
+    #[inline(always)]
+    pub(super) fn press(m: [f32; 3], b: f32) -> Self {
+        Self { axial: m[0] * m[0] + m[1] * m[1] + m[2] * m[2], b, ..Self::default() }
+    }
+
+    /// Takes the normal of a contact that has no tangential part.
+    #[inline(always)]
+    pub(super) fn point(&mut self, m: [f32; 3]) {
+        let length = self.axial.sqrt();
         self.n = Four([m[0] / length, m[1] / length, m[2] / length, 0.0]);
-        self.axial = length * length;
-        self.b = b;
         self.lever = [1.0; 2];
     }
 
@@ -43,7 +48,8 @@ impl Joint {
         Self { n, axial: k, ..Self::default() }
     }
 
-    /// Takes the tangential part of the linearisation.
+    /// Takes the tangential part of the linearisation, and its normal.
+    #[inline(always)]
     pub(super) fn shear(&mut self, t: &Traction, radii: [f32; 2], scale: f32) {
         let four = |[x, y, z]: [f32; 3]| Four([x, y, z, 0.0]);
         self.n = four(t.normal);
@@ -51,8 +57,10 @@ impl Joint {
         self.across = t.across * scale;
         self.sliding = t.sliding * scale;
         self.lever = [0, 1].map(|k| t.arm[k] / radii[k]);
-        let root = (t.torsion * scale).sqrt();
-        self.twist = radii.map(|radius| root / radius);
+        if t.torsion != 0.0 {
+            let root = (t.torsion * scale).sqrt();
+            self.twist = radii.map(|radius| root / radius);
+        }
     }
 
     /// The same contact with i and j exchanged.

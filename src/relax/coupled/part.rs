@@ -3,22 +3,23 @@
 use super::block6::{Block6, Six};
 use super::invert;
 use super::joint::Joint;
+use super::list::{List, Lists};
 use crate::Vec3;
 use crate::heap;
 use crate::relax::lanes::{self, Four, Kernel, LANE_ROWS, Lanes, dispatch};
-use crate::relax::split::Pattern;
+use crate::relax::split::Split;
 
 /// Rows of the grains of this part, and behind them those of the separator it touches.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Part {
     /// The grain of each row.
     grain: Vec<u32>,
-    /// Where its contacts stand.
-    pub(super) pattern: Pattern,
-    pub(super) joints: Vec<Joint>,
-    /// Contacts with walls, in the order of the rows, and the block that those of a row make.
-    wall_joints: Vec<(u32, Joint)>,
+    /// Its contacts by rows.
+    pub(super) list: List,
+    /// The blocks that contacts with walls make, in the order of the rows.
     walls: Vec<(u32, Block6)>,
+    /// Sum of P/r of each row, also of the separator.
+    pub(super) bending: Vec<f32>,
     /// Diagonal blocks without shift, also of the separator.
     pub(super) diagonal: Vec<Block6>,
     /// Inverse of the shifted diagonal blocks; empty before they are taken.
@@ -38,10 +39,9 @@ impl Part {
     /// Memory that its lists hold \[bytes\].
     pub(crate) fn heap_bytes(&self) -> usize {
         heap::bytes(&self.grain)
-            + self.pattern.heap_bytes()
-            + heap::bytes(&self.joints)
-            + heap::bytes(&self.wall_joints)
+            + self.list.heap_bytes()
             + heap::bytes(&self.walls)
+            + heap::bytes(&self.bending)
             + heap::bytes(&self.diagonal)
             + heap::bytes(&self.inverse)
             + heap::bytes(&self.shift)
@@ -54,9 +54,9 @@ impl Part {
     /// Begins an assembly of `rows` grains, with the separator `all` rows.
     pub(super) fn begin(&mut self, rows: usize, all: usize) {
         self.grain.resize(rows, 0);
-        self.pattern.begin(rows);
-        self.wall_joints.clear();
         self.walls.clear();
+        self.bending.clear();
+        self.bending.resize(all, 0.0);
         self.diagonal.clear();
         self.diagonal.resize(all, Block6::default());
         self.inverse.clear();
@@ -79,22 +79,35 @@ impl Part {
         self.grain[row] = grain;
     }
 
-    /// Makes room for the contacts announced to the pattern.
-    pub(super) fn make_room(&mut self) {
-        let count = self.pattern.make_room();
-        self.joints.resize(count, Joint::default());
+    /// Takes the contacts of part `k`, which this is.
+    pub(super) fn take_contacts(&mut self, split: &Split, k: usize, from: &Lists<'_>) {
+        let List { pattern, joints, walls, .. } = &mut self.list;
+        joints.clear();
+        split.deal(k, from, pattern, |dealt| {
+            let joint = from.joint(dealt.contact);
+            joints.push(if dealt.swapped { joint.swapped() } else { *joint });
+        });
+        walls.clear();
+        take_walls(walls, &from.lists[k], split, k);
     }
 
-    /// Takes one contact announced.
-    #[inline(always)]
-    pub(super) fn insert(&mut self, row: usize, second: u32, joint: Joint) {
-        let at = self.pattern.insert(row, second);
-        self.joints[at] = joint;
+    /// Takes the contacts between the rows of this separator of `parts`.
+    pub(super) fn take_between(&mut self, split: &Split, parts: &[Self], from: &Lists<'_>) {
+        let List { pattern, joints, walls, .. } = &mut self.list;
+        joints.clear();
+        pattern.begin();
+        for dealt in parts.iter().flat_map(|part| &part.list.pattern.between) {
+            pattern.push(dealt.row, dealt.second);
+            joints.push(*from.joint(dealt.contact));
+        }
+        pattern.end(self.grain.len());
+        walls.clear();
+        from.lists.iter().for_each(|list| take_walls(walls, list, split, parts.len()));
     }
 
-    /// Takes a contact of `row` with a wall.
-    pub(super) fn insert_wall(&mut self, row: u32, joint: Joint) {
-        self.wall_joints.push((row, joint));
+    /// Sum of P/r over the contacts of `row`, in units of the reference stiffness.
+    pub(super) fn bending(&self, row: u32) -> f32 {
+        self.bending[row as usize]
     }
 
     /// Adds up the diagonal blocks.
@@ -170,6 +183,16 @@ impl Part {
     }
 }
 
+/// Takes the contacts of `list` with walls that belong to part `k`.
+fn take_walls(walls: &mut Vec<(u32, Joint)>, list: &List, split: &Split, k: usize) {
+    for &(grain, joint) in &list.walls {
+        let at = split.places()[grain as usize];
+        if at.part as usize == k {
+            walls.push((at.row, joint));
+        }
+    }
+}
+
 struct Invert<'a> {
     part: &'a mut Part,
     shift: &'a [f32],
@@ -214,8 +237,9 @@ impl Kernel for AddBlocks<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        let Part { grain, pattern, joints, wall_joints, walls, diagonal, .. } = self.part;
-        for (row, joint) in &*wall_joints {
+        let Part { grain, list, walls, diagonal, bending, .. } = self.part;
+        let List { pattern, joints, .. } = &*list;
+        for (row, joint) in &list.walls {
             match walls.last_mut() {
                 Some((last, block)) if last == row => joint.add_block(l, 0, block),
                 _ => {
@@ -228,6 +252,8 @@ impl Kernel for AddBlocks<'_> {
         for i in 0..grain.len() {
             let range = pattern.row(i);
             for (joint, &j) in joints[range.clone()].iter().zip(&pattern.second[range]) {
+                bending[i] += joint.b;
+                bending[j as usize] += joint.b;
                 joint.add_block(l, 0, &mut diagonal[i]);
                 joint.add_block(l, 1, &mut diagonal[j as usize]);
             }
@@ -244,7 +270,8 @@ impl Kernel for Multiply<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) {
-        let Part { pattern, joints, walls, shift, direction, product, .. } = self.part;
+        let Part { list, walls, shift, direction, product, .. } = self.part;
+        let List { pattern, joints, .. } = &*list;
         for ((y, x), &s) in product.iter_mut().zip(&*direction).zip(&*shift) {
             let s = l.splat(s);
             l.store(&mut y.u, l.mul(s, l.load(&x.u)));

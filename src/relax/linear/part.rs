@@ -5,7 +5,7 @@ use crate::heap;
 use crate::relax::balance::Link;
 use crate::relax::block::Block;
 use crate::relax::lanes::{self, Four, Kernel, LANE_ROWS, Lanes, dispatch};
-use crate::relax::split::Pattern;
+use crate::relax::split::{Contacts, Pattern, Split};
 use crate::relax::sym3::Sym3;
 
 /// A pivot below this share of its row's mean diagonal is lifted to it.
@@ -27,7 +27,7 @@ pub(super) struct Part {
     /// The grain of each row.
     grain: Vec<u32>,
     /// Where its contacts stand.
-    pub(super) pattern: Pattern,
+    pattern: Pattern,
     /// (m, -b) of each contact.
     contact: Vec<Four>,
     /// D without shift, also of the separator.
@@ -69,8 +69,6 @@ impl Part {
     /// Begins an assembly of `rows` grains, with the separator `all` rows.
     pub(super) fn begin(&mut self, rows: usize, all: usize) {
         self.grain.resize(rows, 0);
-        self.pattern.begin(rows);
-        self.contact.clear();
         self.diagonal.clear();
         self.diagonal.resize(all, Sym3::default());
         self.factor.resize(all, Sym3::default());
@@ -96,36 +94,34 @@ impl Part {
         self.diagonal[row] = Sym3::diagonal(walls);
     }
 
-    /// Takes the contacts of the next row, all with later rows of this part.
-    #[inline(always)]
-    pub(super) fn push_row(&mut self, row: usize, links: &[Link]) {
-        for link in links {
-            self.take(row, link.second, link);
-            self.pattern.second.push(link.second);
+    /// Takes the contacts of part `k`, which this is.
+    pub(super) fn take_contacts(
+        &mut self,
+        split: &Split,
+        k: usize,
+        contacts: &impl Contacts,
+        links: &[Link],
+    ) {
+        let Self { pattern, contact, diagonal, .. } = self;
+        contact.clear();
+        split.deal(k, contacts, pattern, |dealt| {
+            let link = &links[dealt.contact as usize];
+            add_contact_block(diagonal, dealt.row, dealt.second, link);
+            contact.push(four(link));
+        });
+    }
+
+    /// Takes the contacts between the rows of this separator of `parts`.
+    pub(super) fn take_between(&mut self, parts: &[Self], links: &[Link]) {
+        self.contact.clear();
+        self.pattern.begin();
+        for dealt in parts.iter().flat_map(|part| &part.pattern.between) {
+            let link = &links[dealt.contact as usize];
+            add_contact_block(&mut self.diagonal, dealt.row, dealt.second, link);
+            self.pattern.push(dealt.row, dealt.second);
             self.contact.push(four(link));
         }
-        self.pattern.start[row + 1] = self.pattern.second.len() as u32;
-    }
-
-    /// Makes room for the contacts announced to the pattern.
-    pub(super) fn make_room(&mut self) {
-        let count = self.pattern.make_room();
-        self.contact.resize(count, Four::default());
-    }
-
-    /// Takes one contact announced.
-    #[inline(always)]
-    pub(super) fn insert(&mut self, row: usize, second: u32, link: &Link) {
-        self.take(row, second, link);
-        let at = self.pattern.insert(row, second);
-        self.contact[at] = four(link);
-    }
-
-    #[inline(always)]
-    fn take(&mut self, row: usize, second: u32, link: &Link) {
-        let block = Sym3::outer_minus(link.m, link.b);
-        self.diagonal[row].add(&block);
-        self.diagonal[second as usize].add(&block);
+        self.pattern.end(self.grain.len());
     }
 
     /// Gives rows without contacts a unit block.
@@ -215,6 +211,14 @@ impl Part {
     }
 }
 
+#[inline(always)]
+fn add_contact_block(diagonal: &mut [Sym3], row: u32, second: u32, link: &Link) {
+    let block = Sym3::outer_minus(link.m, link.b);
+    diagonal[row as usize].add(&block);
+    diagonal[second as usize].add(&block);
+}
+
+#[inline(always)]
 fn four(link: &Link) -> Four {
     let [x, y, z] = link.m;
     Four([x, y, z, -link.b])

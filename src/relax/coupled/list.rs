@@ -1,0 +1,143 @@
+//! The contacts of a stretch of grains, in order: those that touch, those that hold shear, and
+//! those that do both.
+
+use std::ops::Range;
+
+use super::joint::Joint;
+use crate::contact::Other;
+use crate::contact::neighbours::Neighbours;
+use crate::heap;
+use crate::relax::balance::{Balance, Link};
+use crate::relax::split::{Contacts, Pattern};
+use crate::relax::tangential::{Reference, Traction};
+
+/// What contacts are made of.
+#[derive(Clone, Copy)]
+pub(super) struct Sources<'a> {
+    pub(super) balance: &'a Balance,
+    pub(super) near: &'a Neighbours,
+    pub(super) reference: &'a Reference,
+    /// R \[m\].
+    pub(super) radius: &'a [f64],
+    /// One over the reference stiffness \[m/N\].
+    pub(super) scale: f32,
+}
+
+/// Contacts by their first grain, or by their first row.
+#[derive(Clone, Debug, Default)]
+pub(super) struct List {
+    /// First grain.
+    first: usize,
+    /// Number of the first contact.
+    pub(super) number: u32,
+    pub(super) pattern: Pattern,
+    /// Contacts between grains.
+    pub(super) joints: Vec<Joint>,
+    /// Contacts of a grain with walls.
+    pub(super) walls: Vec<(u32, Joint)>,
+}
+
+impl List {
+    /// Memory that its lists hold \[bytes\].
+    pub(super) fn heap_bytes(&self) -> usize {
+        self.pattern.heap_bytes() + heap::bytes(&self.joints) + heap::bytes(&self.walls)
+    }
+
+    /// Forgets all contacts.
+    pub(super) fn clear(&mut self) {
+        self.pattern.begin();
+        self.joints.clear();
+        self.walls.clear();
+    }
+
+    /// Lists the contacts of `grains` with later ones and with walls.
+    pub(super) fn join(&mut self, grains: Range<usize>, sources: Sources<'_>) {
+        let Sources { balance, near, reference, radius, scale } = sources;
+        self.clear();
+        self.first = grains.start;
+        let radius = |i: usize| radius[i] as f32;
+        let skipped = reference.contacts.partition_point(|h| (h.first as usize) < grains.start);
+        let tractions = &balance.tractions[skipped..];
+        let mut held = reference.contacts[skipped..].iter().zip(tractions).peekable();
+        let rows = grains.len();
+        for (row, i) in grains.enumerate() {
+            let first = near.row(i).start;
+            let mut links = balance.links[first..first + balance.links_in_row[i] as usize].iter();
+            let mut link = links.next();
+            loop {
+                let traction = held.peek().and_then(|(h, t)| match h.second {
+                    Other::Grain(j) if h.first as usize == i => Some((j, *t)),
+                    _ => None,
+                });
+                let (second, touching, shearing) = match (link, traction) {
+                    (None, None) => break,
+                    (Some(l), Some((j, t))) if l.second == j => (j, Some(l), Some(t)),
+                    (Some(l), Some((j, _))) if l.second < j => (l.second, Some(l), None),
+                    (Some(l), None) => (l.second, Some(l), None),
+                    (_, Some((j, t))) => (j, None, Some(t)),
+                };
+                if shearing.is_some() {
+                    held.next();
+                }
+                if touching.is_some() {
+                    link = links.next();
+                }
+                let live = shearing.filter(|t| t.live);
+                if touching.is_some() || live.is_some() {
+                    let radii = [radius(i), radius(second as usize)];
+                    self.joints.push(joint(touching, live, radii, scale));
+                    self.pattern.push(row as u32, second);
+                }
+            }
+            for (axis, &k) in
+                balance.wall_stiffness[i].iter().enumerate().filter(|(_, k)| **k != 0.0)
+            {
+                self.walls.push((i as u32, Joint::wall(axis, k)));
+            }
+            while let Some((_, t)) = held.next_if(|(h, _)| h.first as usize == i) {
+                if t.live {
+                    self.walls.push((i as u32, joint(None, Some(t), [radius(i); 2], scale)));
+                }
+            }
+        }
+        self.pattern.end(rows);
+    }
+}
+
+/// The contact of a touching pair, a pair that holds shear, or both.
+#[inline(always)]
+fn joint(touching: Option<&Link>, live: Option<&Traction>, radii: [f32; 2], scale: f32) -> Joint {
+    let mut joint = touching.map_or_else(Joint::default, |link| Joint::press(link.m, link.b));
+    match (live, touching) {
+        (Some(traction), _) => joint.shear(traction, radii, scale),
+        (None, Some(link)) => joint.point(link.m),
+        (None, None) => {}
+    }
+    joint
+}
+
+/// The lists of successive stretches of the same length.
+pub(super) struct Lists<'a> {
+    pub(super) lists: &'a [List],
+    pub(super) length: usize,
+}
+
+impl Contacts for Lists<'_> {
+    #[inline(always)]
+    fn row(&self, i: usize) -> impl Iterator<Item = (u32, u32)> {
+        let list = &self.lists[i / self.length];
+        let range = list.pattern.row(i - list.first);
+        let number = list.number + range.start as u32;
+        list.pattern.second[range].iter().copied().zip(number..)
+    }
+}
+
+impl Lists<'_> {
+    /// The contact of that number.
+    #[inline(always)]
+    pub(super) fn joint(&self, number: u32) -> &Joint {
+        let after = self.lists.iter().position(|list| list.number > number);
+        let list = &self.lists[after.unwrap_or(self.lists.len()) - 1];
+        &list.joints[(number - list.number) as usize]
+    }
+}
