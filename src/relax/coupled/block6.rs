@@ -46,7 +46,7 @@ impl Block6 {
     /// This block times (u, w); lanes 3 do not count, those of the product are zero.
     #[inline(always)]
     pub(super) fn times<L: Lanes>(&self, l: L, u: L::F, w: L::F) -> [L::F; 2] {
-        let [a0, a1, a2] = [0, 1, 2].map(|k| l.load(&self.uw[k]));
+        let [a0, a1, a2] = [l.load(&self.uw[0]), l.load(&self.uw[1]), l.load(&self.uw[2])];
         let force = l.mul_add(a0, w, self.u.times(l, u));
         let force = l.mul_add(a1, l.yzx(w), force);
         let force = l.mul_add(a2, l.zxy(w), force);

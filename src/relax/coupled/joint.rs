@@ -82,8 +82,8 @@ impl Joint {
     ) -> [L::F; 2] {
         let (uj, wj) = (l.load(&xj.u), l.load(&xj.w));
         let (n, e) = (l.load(&self.n), l.load(&self.e));
-        let [li, lj] = self.lever.map(|x| l.splat(x));
-        let [ci, cj] = self.twist.map(|x| l.splat(x));
+        let [li, lj] = [l.splat(self.lever[0]), l.splat(self.lever[1])];
+        let [ci, cj] = [l.splat(self.twist[0]), l.splat(self.twist[1])];
         let (n1, n2) = (l.yzx(n), l.zxy(n));
         let d = l.sub(ui, uj);
         let omega = l.mul_add(li, wi, l.mul(lj, wj));
@@ -111,29 +111,36 @@ impl Joint {
         let (n1, n2, e1, e2) = (l.yzx(n), l.zxy(n), l.yzx(e), l.zxy(e));
         let f = l.sub_mul(e2, n1, l.mul(e1, n2)); // e × n̂
         let f1 = l.yzx(f);
-        let ones = l.load(&Four([1.0, 1.0, 1.0, 0.0]));
         let lever = if side == 0 { self.lever[0] } else { -self.lever[1] };
         let square = lever * lever;
         let twist = self.twist[side] * self.twist[side];
-        let add = |to: &mut Block, even: f32, v: [(f32, L::F, L::F); 2]| {
-            let [(s, a, a1), (t, b, b1)] = v;
-            let (sa, tb) = (l.mul(l.splat(s), a), l.mul(l.splat(t), b));
-            let on = l.mul_add(l.splat(even), ones, l.load(&to.on));
-            l.store(&mut to.on, l.mul_add(tb, b, l.mul_add(sa, a, on)));
-            let off = l.mul_add(tb, b1, l.mul_add(sa, a1, l.load(&to.off)));
-            l.store(&mut to.off, off);
-        };
-        let normal = (self.axial - self.across, n, n1);
-        add(&mut to.u, self.across - self.b, [normal, (self.sliding, e, e1)]);
+        let normal = (self.axial - self.across, [n, n1]);
+        add_products(l, &mut to.u, self.across - self.b, [normal, (self.sliding, [e, e1])]);
         let turning = square * self.across;
-        let of_slip = (square * self.sliding, f, f1);
-        add(&mut to.w, turning, [(twist - turning, n, n1), of_slip]);
+        let of_slip = (square * self.sliding, [f, f1]);
+        add_products(l, &mut to.w, turning, [(twist - turning, [n, n1]), of_slip]);
         // λ (α [n̂]× + β e fᵀ) with f = e × n̂, which s·e = e·d + ω·f makes.
         let (a, b) = (l.splat(lever * self.across), l.splat(lever * self.sliding));
         let be = l.mul(b, e);
-        let [a0, a1, a2] = [0, 1, 2].map(|k| l.load(&to.uw[k]));
-        l.store(&mut to.uw[0], l.mul_add(be, f, a0));
-        l.store(&mut to.uw[1], l.mul_add(be, f1, l.sub_mul(a, n2, a1)));
-        l.store(&mut to.uw[2], l.mul_add(be, l.zxy(f), l.mul_add(a, n1, a2)));
+        let [a0, a1, a2] = &mut to.uw;
+        l.store(a0, l.mul_add(be, f, l.load(a0)));
+        l.store(a1, l.mul_add(be, f1, l.sub_mul(a, n2, l.load(a1))));
+        l.store(a2, l.mul_add(be, l.zxy(f), l.mul_add(a, n1, l.load(a2))));
     }
+}
+
+/// Adds even I + Σ s a aᵀ over the `products` (s, [a, a turned once]) to `to`.
+#[inline(always)]
+fn add_products<L: Lanes>(
+    l: L,
+    to: &mut Block,
+    even: f32,
+    [(s, [a, a1]), (t, [b, b1])]: [(f32, [L::F; 2]); 2],
+) {
+    let ones = l.load(&Four([1.0, 1.0, 1.0, 0.0]));
+    let (sa, tb) = (l.mul(l.splat(s), a), l.mul(l.splat(t), b));
+    let on = l.mul_add(l.splat(even), ones, l.load(&to.on));
+    l.store(&mut to.on, l.mul_add(tb, b, l.mul_add(sa, a, on)));
+    let off = l.mul_add(tb, b1, l.mul_add(sa, a1, l.load(&to.off)));
+    l.store(&mut to.off, off);
 }
