@@ -16,10 +16,10 @@ use crate::Vec3;
 use crate::contact::neighbours::Neighbours;
 use crate::heap;
 use crate::relax::balance::Balance;
+use crate::relax::block::Block;
 use crate::relax::crew::{read, together, write};
 use crate::relax::lanes::Four;
 use crate::relax::split::{Contacts, Place, Split, for_each};
-use crate::relax::sym3::Sym3;
 use part::Part;
 
 /// How an inner solve ended.
@@ -87,12 +87,15 @@ impl Linear {
     /// Factorises H + Σ, where Σ shifts the block of grain i by `shift[i]` in units of the
     /// reference stiffness.
     pub fn factorise(&mut self, shift: &[f32]) {
-        for_each(&mut self.parts, |_, part| part.factorise(shift));
-        self.separator.begin_factor(shift);
+        for_each(&mut self.parts, |_, part| {
+            part.begin_factor();
+            part.factorise(shift);
+        });
+        self.separator.begin_factor();
         for part in &self.parts {
             self.separator.add_factors(part);
         }
-        self.separator.factorise_rows();
+        self.separator.factorise(shift);
     }
 
     /// Solves (H + Σ) s = -g until the preconditioned residual fell by `forcing`.
@@ -192,12 +195,12 @@ fn add_late<T>(to: &mut [T], from: &[T], mut add: impl FnMut(&mut T, &T)) {
 impl Part {
     /// Diagonal blocks that `part` has for this separator.
     fn add_diagonals(&mut self, part: &Self) {
-        add_late(&mut self.diagonal, &part.diagonal[part.rows()..], Sym3::add);
+        add_late(&mut self.diagonal, &part.diagonal[part.rows()..], Block::add);
     }
 
     /// What the factorisation of `part` leaves for this separator.
     fn add_factors(&mut self, part: &Self) {
-        add_late(&mut self.factor, &part.factor[part.rows()..], Sym3::add);
+        add_late(&mut self.factor, &part.factor[part.rows()..], Block::add);
     }
 
     /// What the forward sweep of `part` leaves for this separator.

@@ -66,12 +66,6 @@ impl Sym3 {
         }
     }
 
-    /// 2 self - other.
-    #[must_use]
-    pub(super) fn twice_minus(&self, other: &Self) -> Self {
-        Self(std::array::from_fn(|k| 2.0 * self.0[k] - other.0[k]))
-    }
-
     /// self v.
     #[must_use]
     #[inline(always)]
@@ -83,18 +77,6 @@ impl Sym3 {
             a[4] * v[0] + a[5] * v[1] + a[2] * v[2],
             0.0,
         ]
-    }
-
-    /// self -= K A K for K = m mᵀ - b I: (mᵀAm) m mᵀ - b (m (Am)ᵀ + (Am) mᵀ) + b² A.
-    #[inline(always)]
-    pub(super) fn subtract_product(&mut self, m: [f32; 3], b: f32, a: &Self) {
-        let am = a.times(&[m[0], m[1], m[2], 0.0]);
-        let mam = m[0] * am[0] + m[1] * am[1] + m[2] * am[2];
-        for (k, (i, j)) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].into_iter().enumerate()
-        {
-            let cross = m[i] * am[j] + am[i] * m[j];
-            self.0[k] -= mam * m[i] * m[j] - b * cross + b * b * a.0[k];
-        }
     }
 
     /// This block and its inverse; when a pivot of L D Lᵀ is below `floor` the diagonal is lifted

@@ -6,7 +6,6 @@ use crate::relax::balance::Link;
 use crate::relax::block::Block;
 use crate::relax::lanes::{self, Four, Kernel, LANE_ROWS, Lanes, dispatch};
 use crate::relax::split::{Contacts, Pattern, Split};
-use crate::relax::sym3::Sym3;
 
 /// A pivot below this share of its row's mean diagonal is lifted to it.
 const SMALL_PIVOT: f32 = 0.02;
@@ -31,12 +30,10 @@ pub(super) struct Part {
     /// (m, -b) of each contact.
     contact: Vec<Four>,
     /// D without shift, also of the separator.
-    pub(super) diagonal: Vec<Sym3>,
+    pub(super) diagonal: Vec<Block>,
     /// Δ, and what it takes from the separator.
-    pub(super) factor: Vec<Sym3>,
+    pub(super) factor: Vec<Block>,
     rows: Vec<Row>,
-    /// Δ once more, for the products with it.
-    scale: Vec<Block>,
     /// The step, in units of `unit`.
     pub(super) step: Vec<Four>,
     residual: Vec<Four>,
@@ -58,7 +55,6 @@ impl Part {
             + heap::bytes(&self.diagonal)
             + heap::bytes(&self.factor)
             + heap::bytes(&self.rows)
-            + heap::bytes(&self.scale)
             + heap::bytes(&self.step)
             + heap::bytes(&self.residual)
             + heap::bytes(&self.direction)
@@ -70,10 +66,9 @@ impl Part {
     pub(super) fn begin(&mut self, rows: usize, all: usize) {
         self.grain.resize(rows, 0);
         self.diagonal.clear();
-        self.diagonal.resize(all, Sym3::default());
-        self.factor.resize(all, Sym3::default());
+        self.diagonal.resize(all, Block::default());
+        self.factor.resize(all, Block::default());
         self.rows.resize(rows, Row::default());
-        self.scale.resize(rows, Block::default());
         for vector in [&mut self.step, &mut self.residual, &mut self.direction] {
             vector.resize(rows, Four::default());
         }
@@ -91,7 +86,7 @@ impl Part {
     #[inline(always)]
     pub(super) fn place(&mut self, row: usize, grain: u32, walls: [f32; 3]) {
         self.grain[row] = grain;
-        self.diagonal[row] = Sym3::diagonal(walls);
+        self.diagonal[row] = Block::diagonal(walls);
     }
 
     /// Takes the contacts of part `k`, which this is.
@@ -128,48 +123,19 @@ impl Part {
     pub(super) fn fill_empty_rows(&mut self) {
         for block in &mut self.diagonal[..self.grain.len()] {
             if block.trace() == 0.0 {
-                *block = Sym3::diagonal([1.0; 3]);
+                *block = Block::diagonal([1.0; 3]);
             }
         }
     }
 
-    /// Factorises this part.
+    /// Begins a factorisation.
+    pub(super) fn begin_factor(&mut self) {
+        self.factor.fill(Block::default());
+    }
+
+    /// Eliminates row after row of this part, shifted by `shift`, one a grain.
     pub(super) fn factorise(&mut self, shift: &[f32]) {
-        self.begin_factor(shift);
-        self.factorise_rows();
-    }
-
-    /// Takes the shifted diagonal to the factor.
-    pub(super) fn begin_factor(&mut self, shift: &[f32]) {
-        self.factor.fill(Sym3::default());
-        for ((factor, diagonal), &grain) in
-            self.factor.iter_mut().zip(&self.diagonal).zip(&self.grain)
-        {
-            *factor = diagonal.shifted(shift[grain as usize]);
-        }
-        for (row, factor) in self.rows.iter_mut().zip(&self.factor) {
-            // The shifted D waits here until Δ is known.
-            row.excess = Block::from(factor);
-        }
-    }
-
-    /// Eliminates row after row.
-    pub(super) fn factorise_rows(&mut self) {
-        for i in 0..self.grain.len() {
-            let diagonal = self.rows[i].excess.sym3();
-            let floor = SMALL_PIVOT * (diagonal.trace().abs() / 3.0).max(f32::MIN_POSITIVE);
-            let (factor, inverse) = self.factor[i].inverse_lifted(floor);
-            self.rows[i] = Row {
-                inverse: Block::from(&inverse),
-                excess: Block::from(&factor.twice_minus(&diagonal)),
-            };
-            self.scale[i] = Block::from(&factor);
-            for k in self.pattern.row(i) {
-                let Four([x, y, z, minus_b]) = self.contact[k];
-                let second = self.pattern.second[k] as usize;
-                self.factor[second].subtract_product([x, y, z], -minus_b, &inverse);
-            }
-        }
+        dispatch(Factorise { part: self, shift });
     }
 
     /// Takes -gradient / unit for the forward sweep that makes it the first residual.
@@ -212,8 +178,8 @@ impl Part {
 }
 
 #[inline(always)]
-fn add_contact_block(diagonal: &mut [Sym3], row: u32, second: u32, link: &Link) {
-    let block = Sym3::outer_minus(link.m, link.b);
+fn add_contact_block(diagonal: &mut [Block], row: u32, second: u32, link: &Link) {
+    let block = Block::outer_minus(link.m, link.b);
     diagonal[row as usize].add(&block);
     diagonal[second as usize].add(&block);
 }
@@ -222,6 +188,58 @@ fn add_contact_block(diagonal: &mut [Sym3], row: u32, second: u32, link: &Link) 
 fn four(link: &Link) -> Four {
     let [x, y, z] = link.m;
     Four([x, y, z, -link.b])
+}
+
+struct Factorise<'a> {
+    part: &'a mut Part,
+    shift: &'a [f32],
+}
+
+impl Kernel for Factorise<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) {
+        let Part { grain, pattern, contact, diagonal, factor, rows, .. } = self.part;
+        let three = l.load(&Four([1.0, 1.0, 1.0, 0.0]));
+        for (i, row) in rows.iter_mut().enumerate() {
+            let shift = l.mul(l.splat(self.shift[grain[i] as usize]), three);
+            let on = l.add(l.load(&diagonal[i].on), shift);
+            let off = l.load(&diagonal[i].off);
+            let [trace, ..] = l.array(l.sum(on));
+            let floor = SMALL_PIVOT * (trace.abs() / 3.0).max(f32::MIN_POSITIVE);
+            let own = &mut factor[i];
+            let (left_on, left_off) = (l.load(&own.on), l.load(&own.off));
+            l.store(&mut own.on, l.add(on, left_on));
+            l.store(&mut own.off, l.add(off, left_off));
+            if !own.invert(l, floor, &mut row.inverse) {
+                (*own, row.inverse) = own.inverse_lifted(floor);
+            }
+            l.store(&mut row.excess.on, l.sub(l.add(l.load(&own.on), l.load(&own.on)), on));
+            l.store(&mut row.excess.off, l.sub(l.add(l.load(&own.off), l.load(&own.off)), off));
+            // Δ_j -= K Δ_i⁻¹ K, with A for the inverse:
+            // K A K = (m·Am) m mᵀ - b (m (Am)ᵀ + (Am) mᵀ) + b² A.
+            let (a_on, a_off) = (l.load(&row.inverse.on), l.load(&row.inverse.off));
+            let range = pattern.row(i);
+            for (contact, &j) in contact[range.clone()].iter().zip(&pattern.second[range]) {
+                let contact = l.load(contact);
+                let m = l.mul(contact, three);
+                let am = row.inverse.times(l, m);
+                let minus_b = l.lane::<3>(contact);
+                let square = l.mul(minus_b, minus_b);
+                let along = l.mul(l.sum(l.mul(m, am)), m);
+                let (m1, am1) = (l.yzx(m), l.yzx(am));
+                let half = l.mul_add(minus_b, am, along);
+                let whole = l.mul_add(minus_b, am, half);
+                let to = &mut factor[j as usize];
+                let on = l.sub_mul(square, a_on, l.load(&to.on));
+                l.store(&mut to.on, l.sub_mul(m, whole, on));
+                let off = l.sub_mul(square, a_off, l.load(&to.off));
+                let off = l.sub_mul(m1, half, off);
+                l.store(&mut to.off, l.sub_mul(l.mul(minus_b, m), am1, off));
+            }
+        }
+    }
 }
 
 struct Backward<'a> {
@@ -293,18 +311,18 @@ impl Kernel for Descend<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, l: L) -> f64 {
-        let Part { scale, step, residual, t, w, .. } = self.part;
+        let Part { grain, factor, step, residual, t, w, .. } = self.part;
         let alpha = l.splat(self.alpha);
         let mut total = 0.0;
-        for (chunk, scale) in scale.chunks(LANE_ROWS).enumerate() {
+        for (chunk, factor) in factor[..grain.len()].chunks(LANE_ROWS).enumerate() {
             let mut lanes = l.splat(0.0);
-            for (k, scale) in scale.iter().enumerate() {
+            for (k, factor) in factor.iter().enumerate() {
                 let i = chunk * LANE_ROWS + k;
                 let x = l.mul_add(alpha, l.load(&t[i]), l.load(&step[i]));
                 l.store(&mut step[i], x);
                 let r = l.sub_mul(alpha, l.load(&w[i]), l.load(&residual[i]));
                 l.store(&mut residual[i], r);
-                let z = scale.times(l, r);
+                let z = factor.times(l, r);
                 l.store(&mut w[i], z);
                 lanes = l.mul_add(z, r, lanes);
             }
