@@ -24,13 +24,6 @@ impl Block {
         Self { on: Four([x, y, z, 0.0]), off: Four::default() }
     }
 
-    /// m mᵀ - b I.
-    #[inline(always)]
-    pub(super) fn outer_minus([x, y, z]: [f32; 3], b: f32) -> Self {
-        let on = Four([x * x - b, y * y - b, z * z - b, 0.0]);
-        Self { on, off: Four([x * y, y * z, x * z, 0.0]) }
-    }
-
     /// Trace.
     pub(super) fn trace(&self) -> f32 {
         let Four([x, y, z, _]) = self.on;

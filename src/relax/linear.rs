@@ -77,7 +77,7 @@ impl Linear {
         for (i, at) in split.separator() {
             separator.place(at.row as usize, i as u32, balance.wall_stiffness[i]);
         }
-        separator.take_between(parts, &balance.links);
+        separator.take_between(split, parts, &balance.links);
         for part in &*parts {
             separator.add_diagonals(part);
         }

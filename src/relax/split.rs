@@ -28,17 +28,22 @@ pub(super) trait Contacts: Sync {
     fn row(&self, i: usize) -> impl Iterator<Item = (u32, u32)>;
 }
 
-/// A contact in a part.
+/// Where the content of a contact in a part comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Dealt {
-    /// The row that comes first.
-    pub(super) row: u32,
-    /// The other row of the part; behind those of its grains come those of the separator.
-    pub(super) second: u32,
-    /// Its number.
+pub(super) struct Source {
+    /// The number of the contact.
     pub(super) contact: u32,
     /// Whether the first row is that of the second grain.
     pub(super) swapped: bool,
+}
+
+/// A contact that stands in the row that comes first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Dealt {
+    row: u32,
+    /// The other row of the part; behind those of its grains come those of the separator.
+    second: u32,
+    source: Source,
 }
 
 /// A contact of grains of two parts.
@@ -161,45 +166,50 @@ impl Split {
         late.map(|(i, _)| (i, self.place[i]))
     }
 
-    /// Deals the contacts of part `part` to `take`, row after row, and notes them in `pattern`.
-    #[inline(always)]
-    pub(super) fn deal(
-        &self,
-        part: usize,
-        contacts: &impl Contacts,
-        pattern: &mut Pattern,
-        mut take: impl FnMut(Dealt),
-    ) {
+    /// Deals the contacts of part `part` to its `pattern`.
+    pub(super) fn deal(&self, part: usize, contacts: &impl Contacts, pattern: &mut Pattern) {
         pattern.begin();
-        let mut give = |pattern: &mut Pattern, dealt: Dealt| {
-            pattern.push(dealt.row, dealt.second);
-            take(dealt);
-        };
+        let rows = self.rows[part];
         if self.parts() == 1 {
-            for row in 0..self.rows[0] {
+            for row in 0..rows {
                 for (second, contact) in contacts.row(row as usize) {
-                    give(pattern, Dealt { row, second, contact, swapped: false });
+                    pattern.second.push(second);
+                    pattern.source.push(Source { contact, swapped: false });
                 }
+                pattern.end(row as usize + 1);
             }
-            pattern.end(self.rows(part));
             return;
         }
-        let mut swapped = self.swapped(part, contacts, &mut pattern.between).into_iter().peekable();
         let separator = self.parts() as u32;
+        let swapped = self.swapped(part, contacts, &mut pattern.between);
+        let mut swapped = swapped.into_iter().peekable();
         for (i, at) in self.range(part).filter(|(_, at)| at.part != separator) {
-            while let Some(dealt) = swapped.next_if(|dealt| dealt.row < at.row) {
-                give(pattern, dealt);
-            }
             for (j, contact) in contacts.row(i) {
                 let to = self.place[j as usize];
-                let second = to.row + if to.part == separator { self.rows[part] } else { 0 };
-                give(pattern, Dealt { row: at.row, second, contact, swapped: false });
+                pattern.second.push(to.row + if to.part == separator { rows } else { 0 });
+                pattern.source.push(Source { contact, swapped: false });
             }
+            while let Some(dealt) = swapped.next_if(|dealt| dealt.row == at.row) {
+                pattern.second.push(dealt.second);
+                pattern.source.push(dealt.source);
+            }
+            pattern.end(at.row as usize + 1);
         }
-        for dealt in swapped {
-            give(pattern, dealt);
+    }
+
+    /// Deals what the parts left for the separator to its `pattern`.
+    pub(super) fn deal_between<'a>(
+        &self,
+        parts: impl Iterator<Item = &'a Pattern>,
+        pattern: &mut Pattern,
+    ) {
+        pattern.begin();
+        for dealt in parts.flat_map(|part| &part.between) {
+            pattern.end(dealt.row as usize);
+            pattern.second.push(dealt.second);
+            pattern.source.push(dealt.source);
         }
-        pattern.end(self.rows(part));
+        pattern.end(self.rows(self.parts()));
     }
 
     /// The contacts of part `part` whose first grain went to the separator, sorted; those whose
@@ -215,7 +225,8 @@ impl Split {
         let mut sort = |late: Place, to: Place, contact: u32| {
             if to.part as usize == part {
                 let second = self.rows[part] + late.row;
-                swapped.push(Dealt { row: to.row, second, contact, swapped: true });
+                let source = Source { contact, swapped: true };
+                swapped.push(Dealt { row: to.row, second, source });
             }
         };
         between.clear();
@@ -223,7 +234,8 @@ impl Split {
             for (j, contact) in contacts.row(i) {
                 let to = self.place[j as usize];
                 if to.part == separator {
-                    between.push(Dealt { row: at.row, second: to.row, contact, swapped: false });
+                    let source = Source { contact, swapped: false };
+                    between.push(Dealt { row: at.row, second: to.row, source });
                 } else {
                     sort(at, to, contact);
                 }
@@ -247,14 +259,19 @@ pub(super) struct Pattern {
     start: Vec<u32>,
     /// The other row of each contact.
     pub(super) second: Vec<u32>,
+    /// What each contact is.
+    pub(super) source: Vec<Source>,
     /// Contacts between grains of the separator, of which the first was in this part.
-    pub(super) between: Vec<Dealt>,
+    between: Vec<Dealt>,
 }
 
 impl Pattern {
     /// Memory that its lists hold \[bytes\].
     pub(super) fn heap_bytes(&self) -> usize {
-        heap::bytes(&self.start) + heap::bytes(&self.second) + heap::bytes(&self.between)
+        heap::bytes(&self.start)
+            + heap::bytes(&self.second)
+            + heap::bytes(&self.source)
+            + heap::bytes(&self.between)
     }
 
     /// Begins without contacts.
@@ -262,13 +279,7 @@ impl Pattern {
         self.start.clear();
         self.start.push(0);
         self.second.clear();
-    }
-
-    /// Adds a contact of `row`, in the order of the rows.
-    #[inline(always)]
-    pub(super) fn push(&mut self, row: u32, second: u32) {
-        self.end(row as usize);
-        self.second.push(second);
+        self.source.clear();
     }
 
     /// Ends `rows` rows.
@@ -329,31 +340,29 @@ mod tests {
                 };
                 split.places().iter().position(|at| *at == place).expect("a grain stands there")
             };
-            let mut dealt = Vec::new();
-            for part in 0..4 {
-                let mut pattern = Pattern::default();
-                let mut list = Vec::new();
-                split.deal(part, &ring, &mut pattern, |one| list.push(one));
-                assert!(list.is_sorted_by_key(|one| one.row));
-                for row in 0..split.rows(part) {
-                    for k in pattern.row(row) {
-                        assert_eq!(list[k].row as usize, row);
-                        assert_eq!(list[k].second, pattern.second[k]);
-                    }
-                }
-                dealt.extend(list.into_iter().map(|one| (part, one)));
-                dealt.extend(pattern.between.iter().map(|one| (4, *one)));
+            let mut patterns = vec![Pattern::default(); 5];
+            for (part, pattern) in patterns[..4].iter_mut().enumerate() {
+                split.deal(part, &ring, pattern);
             }
-            dealt.sort_by_key(|(_, one)| one.contact);
+            let (parts, late) = patterns.split_at_mut(4);
+            split.deal_between(parts.iter(), &mut late[0]);
+            let mut dealt = Vec::new();
+            for (part, pattern) in patterns.iter().enumerate() {
+                for row in 0..split.rows(part) {
+                    let of_row = |k| (part, row as u32, pattern.second[k], pattern.source[k]);
+                    dealt.extend(pattern.row(row).map(of_row));
+                }
+            }
+            dealt.sort_by_key(|(_, _, _, source)| source.contact);
             let want = (0..n as usize).flat_map(|i| ring.row(i).map(move |(j, k)| (i, j, k)));
             let mut count = 0;
             // Every tenth contact is looked at closely: to find who stands in a row takes long.
-            for ((i, j, k), (part, one)) in want.zip(&dealt) {
+            for ((i, j, k), &(part, row, second, source)) in want.zip(&dealt) {
                 count += 1;
-                assert_eq!(one.contact, k);
+                assert_eq!(source.contact, k);
                 if k % 10 == 0 {
-                    let pair = [grain_of(*part, one.row), grain_of(*part, one.second)];
-                    let pair = if one.swapped { [pair[1], pair[0]] } else { pair };
+                    let pair = [grain_of(part, row), grain_of(part, second)];
+                    let pair = if source.swapped { [pair[1], pair[0]] } else { pair };
                     assert_eq!(pair, [i, j as usize]);
                 }
             }

@@ -8,7 +8,7 @@ use crate::contact::Other;
 use crate::contact::neighbours::Neighbours;
 use crate::heap;
 use crate::relax::balance::{Balance, Link};
-use crate::relax::split::{Contacts, Pattern};
+use crate::relax::split::{Contacts, Pattern, Source};
 use crate::relax::tangential::{Reference, Traction};
 
 /// What contacts are made of.
@@ -59,7 +59,6 @@ impl List {
         let skipped = reference.contacts.partition_point(|h| (h.first as usize) < grains.start);
         let tractions = &balance.tractions[skipped..];
         let mut held = reference.contacts[skipped..].iter().zip(tractions).peekable();
-        let rows = grains.len();
         for (row, i) in grains.enumerate() {
             let first = near.row(i).start;
             let mut links = balance.links[first..first + balance.links_in_row[i] as usize].iter();
@@ -86,9 +85,10 @@ impl List {
                 if touching.is_some() || live.is_some() {
                     let radii = [radius(i), radius(second as usize)];
                     self.joints.push(joint(touching, live, radii, scale));
-                    self.pattern.push(row as u32, second);
+                    self.pattern.second.push(second);
                 }
             }
+            self.pattern.end(row + 1);
             for (axis, &k) in
                 balance.wall_stiffness[i].iter().enumerate().filter(|(_, k)| **k != 0.0)
             {
@@ -100,7 +100,6 @@ impl List {
                 }
             }
         }
-        self.pattern.end(rows);
     }
 }
 
@@ -133,9 +132,17 @@ impl Contacts for Lists<'_> {
 }
 
 impl Lists<'_> {
+    /// Copies contacts to `joints`.
+    pub(super) fn copy(&self, contacts: &[Source], joints: &mut Vec<Joint>) {
+        joints.clear();
+        joints.extend(contacts.iter().map(|source| {
+            let joint = self.joint(source.contact);
+            if source.swapped { joint.swapped() } else { *joint }
+        }));
+    }
+
     /// The contact of that number.
-    #[inline(always)]
-    pub(super) fn joint(&self, number: u32) -> &Joint {
+    fn joint(&self, number: u32) -> &Joint {
         let after = self.lists.iter().position(|list| list.number > number);
         let list = &self.lists[after.unwrap_or(self.lists.len()) - 1];
         &list.joints[(number - list.number) as usize]

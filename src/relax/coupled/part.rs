@@ -82,11 +82,8 @@ impl Part {
     /// Takes the contacts of part `k`, which this is.
     pub(super) fn take_contacts(&mut self, split: &Split, k: usize, from: &Lists<'_>) {
         let List { pattern, joints, walls, .. } = &mut self.list;
-        joints.clear();
-        split.deal(k, from, pattern, |dealt| {
-            let joint = from.joint(dealt.contact);
-            joints.push(if dealt.swapped { joint.swapped() } else { *joint });
-        });
+        split.deal(k, from, pattern);
+        from.copy(&pattern.source, joints);
         walls.clear();
         take_walls(walls, &from.lists[k], split, k);
     }
@@ -94,13 +91,8 @@ impl Part {
     /// Takes the contacts between the rows of this separator of `parts`.
     pub(super) fn take_between(&mut self, split: &Split, parts: &[Self], from: &Lists<'_>) {
         let List { pattern, joints, walls, .. } = &mut self.list;
-        joints.clear();
-        pattern.begin();
-        for dealt in parts.iter().flat_map(|part| &part.list.pattern.between) {
-            pattern.push(dealt.row, dealt.second);
-            joints.push(*from.joint(dealt.contact));
-        }
-        pattern.end(self.grain.len());
+        split.deal_between(parts.iter().map(|part| &part.list.pattern), pattern);
+        from.copy(&pattern.source, joints);
         walls.clear();
         from.lists.iter().for_each(|list| take_walls(walls, list, split, parts.len()));
     }

@@ -97,26 +97,14 @@ impl Part {
         contacts: &impl Contacts,
         links: &[Link],
     ) {
-        let Self { pattern, contact, diagonal, .. } = self;
-        contact.clear();
-        split.deal(k, contacts, pattern, |dealt| {
-            let link = &links[dealt.contact as usize];
-            add_contact_block(diagonal, dealt.row, dealt.second, link);
-            contact.push(four(link));
-        });
+        split.deal(k, contacts, &mut self.pattern);
+        dispatch(Take { part: self, links });
     }
 
     /// Takes the contacts between the rows of this separator of `parts`.
-    pub(super) fn take_between(&mut self, parts: &[Self], links: &[Link]) {
-        self.contact.clear();
-        self.pattern.begin();
-        for dealt in parts.iter().flat_map(|part| &part.pattern.between) {
-            let link = &links[dealt.contact as usize];
-            add_contact_block(&mut self.diagonal, dealt.row, dealt.second, link);
-            self.pattern.push(dealt.row, dealt.second);
-            self.contact.push(four(link));
-        }
-        self.pattern.end(self.grain.len());
+    pub(super) fn take_between(&mut self, split: &Split, parts: &[Self], links: &[Link]) {
+        split.deal_between(parts.iter().map(|part| &part.pattern), &mut self.pattern);
+        dispatch(Take { part: self, links });
     }
 
     /// Gives rows without contacts a unit block.
@@ -177,17 +165,40 @@ impl Part {
     }
 }
 
-#[inline(always)]
-fn add_contact_block(diagonal: &mut [Block], row: u32, second: u32, link: &Link) {
-    let block = Block::outer_minus(link.m, link.b);
-    diagonal[row as usize].add(&block);
-    diagonal[second as usize].add(&block);
+struct Take<'a> {
+    part: &'a mut Part,
+    links: &'a [Link],
 }
 
-#[inline(always)]
-fn four(link: &Link) -> Four {
-    let [x, y, z] = link.m;
-    Four([x, y, z, -link.b])
+impl Kernel for Take<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, l: L) {
+        let Part { grain, pattern, contact, diagonal, .. } = self.part;
+        let three = l.load(&Four([1.0, 1.0, 1.0, 0.0]));
+        contact.resize(pattern.second.len(), Four::default());
+        for i in 0..grain.len() {
+            let range = pattern.row(i);
+            let mut own = [l.load(&diagonal[i].on), l.load(&diagonal[i].off)];
+            let contacts = contact[range.clone()].iter_mut().zip(&pattern.source[range.clone()]);
+            for ((contact, source), &j) in contacts.zip(&pattern.second[range]) {
+                let Link { m: [x, y, z], b, .. } = self.links[source.contact as usize];
+                *contact = Four([x, y, z, -b]);
+                let link = l.load(contact);
+                let m = l.mul(link, three);
+                // m mᵀ - b I
+                let on = l.mul_add(m, m, l.mul(l.lane::<3>(link), three));
+                let off = l.mul(m, l.yzx(m));
+                own = [l.add(own[0], on), l.add(own[1], off)];
+                let Block { on: to_on, off: to_off } = &mut diagonal[j as usize];
+                l.store(to_on, l.add(l.load(to_on), on));
+                l.store(to_off, l.add(l.load(to_off), off));
+            }
+            l.store(&mut diagonal[i].on, own[0]);
+            l.store(&mut diagonal[i].off, own[1]);
+        }
+    }
 }
 
 struct Factorise<'a> {
