@@ -27,6 +27,8 @@ pub(super) trait Lanes: Copy + Send + Sync {
     fn load(self, from: &Four) -> Self::F;
     /// To memory.
     fn store(self, to: &mut Four, f: Self::F);
+    /// Four numbers that are not together in memory yet.
+    fn set(self, from: [f32; 4]) -> Self::F;
     /// The same number four times.
     fn splat(self, x: f32) -> Self::F;
     /// a + b.
@@ -105,6 +107,11 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    fn set(self, from: [f32; 4]) -> Self::F {
+        from
+    }
+
+    #[inline(always)]
     fn splat(self, x: f32) -> Self::F {
         [x; 4]
     }
@@ -180,7 +187,7 @@ mod x86 {
     use std::arch::x86_64::{
         __m128, _mm_add_ps, _mm_cmpge_ps, _mm_div_ps, _mm_fmadd_ps, _mm_fnmadd_ps, _mm_load_ps,
         _mm_movehl_ps, _mm_movelh_ps, _mm_movemask_ps, _mm_mul_ps, _mm_permute_ps, _mm_set1_ps,
-        _mm_store_ps, _mm_sub_ps, _mm_unpackhi_ps, _mm_unpacklo_ps,
+        _mm_setr_ps, _mm_store_ps, _mm_sub_ps, _mm_unpackhi_ps, _mm_unpacklo_ps,
     };
 
     use super::{Four, Kernel, Lanes};
@@ -216,6 +223,11 @@ mod x86 {
         #[inline(always)]
         fn store(self, to: &mut Four, f: __m128) {
             unsafe { _mm_store_ps(to.0.as_mut_ptr(), f) }
+        }
+
+        #[inline(always)]
+        fn set(self, [x, y, z, w]: [f32; 4]) -> __m128 {
+            unsafe { _mm_setr_ps(x, y, z, w) }
         }
 
         #[inline(always)]
@@ -329,6 +341,7 @@ mod x86 {
                 let all = [
                     a,
                     l.splat(0.1),
+                    l.set([0.1, 0.2, 0.3, 0.4]),
                     l.add(a, b),
                     l.sub(a, b),
                     l.mul(a, b),

@@ -42,7 +42,7 @@ pub(super) fn four<L: Lanes>(l: L, blocks: &[Block6; 4], shift: [f32; 4], to: &m
 
     let held = l.splat(f32::MIN_POSITIVE);
     let held = l.at_least(u.trace(l), held) & l.at_least(w.trace(l), held);
-    let shift = l.load(&Four(shift));
+    let shift = l.set(shift);
     let (u, w) = (u.shifted(l, shift), w.shifted(l, shift));
     // By the Schur complement S = W - Bᵀ U⁻¹ B of U.
     let (inverse_u, good_u) = u.inverse(l, u.least_pivot(l));

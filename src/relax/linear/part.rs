@@ -184,8 +184,8 @@ impl Kernel for Take<'_> {
             let contacts = contact[range.clone()].iter_mut().zip(&pattern.source[range.clone()]);
             for ((contact, source), &j) in contacts.zip(&pattern.second[range]) {
                 let Link { m: [x, y, z], b, .. } = self.links[source.contact as usize];
-                *contact = Four([x, y, z, -b]);
-                let link = l.load(contact);
+                let link = l.set([x, y, z, -b]);
+                l.store(contact, link);
                 let m = l.mul(link, three);
                 // m mᵀ - b I
                 let on = l.mul_add(m, m, l.mul(l.lane::<3>(link), three));
