@@ -49,10 +49,10 @@ struct Touching<'a> {
 
 impl Contacts for Touching<'_> {
     #[inline(always)]
-    fn row(&self, i: usize) -> impl Iterator<Item = (u32, u32)> {
+    fn row(&self, i: usize) -> impl DoubleEndedIterator<Item = (u32, u32)> {
         let first = self.neighbours.row(i).start;
         let row = &self.balance.links[first..first + self.balance.links_in_row[i] as usize];
-        row.iter().zip(first as u32..).map(|(link, k)| (link.second, k))
+        row.iter().enumerate().map(move |(k, link)| (link.second, (first + k) as u32))
     }
 }
 

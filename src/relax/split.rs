@@ -24,8 +24,8 @@ pub(super) struct Place {
 
 /// The contacts to be dealt out.
 pub(super) trait Contacts: Sync {
-    /// The later grains that grain `i` touches, each with the number of the contact.
-    fn row(&self, i: usize) -> impl Iterator<Item = (u32, u32)>;
+    /// The later grains that grain `i` touches, in order, each with the number of the contact.
+    fn row(&self, i: usize) -> impl DoubleEndedIterator<Item = (u32, u32)>;
 }
 
 /// Where the content of a contact in a part comes from.
@@ -96,19 +96,26 @@ impl Split {
             crossing.clear();
             let end = ((part + 1) * length).min(n);
             for i in part * length..end {
-                let beyond = contacts.row(i).filter(|(j, _)| *j as usize >= end);
+                let beyond = contacts.row(i).rev().take_while(|(j, _)| *j as usize >= end);
                 crossing
                     .extend(beyond.map(|(j, contact)| Crossing { grains: [i as u32, j], contact }));
             }
         });
         self.choose_separator(n);
-        self.rows.resize(parts + 1, 0);
-        self.place.extend(self.late.iter().enumerate().map(|(i, &late)| {
-            let part = if late { parts } else { i / length };
-            let row = self.rows[part];
-            self.rows[part] += 1;
-            Place { part: part as u32, row }
-        }));
+        self.place.resize(n, Place::default());
+        let mut late_row = 0;
+        let grains = self.place.chunks_mut(length).zip(self.late.chunks(length));
+        for (part, (place, late)) in grains.enumerate() {
+            let mut row = 0;
+            for (place, &late) in place.iter_mut().zip(late) {
+                let next = if late { &mut late_row } else { &mut row };
+                let part = if late { parts } else { part } as u32;
+                *place = Place { part, row: *next };
+                *next += 1;
+            }
+            self.rows.push(row);
+        }
+        self.rows.push(late_row);
     }
 
     /// Chooses one grain of each crossing contact, those first that have many.
@@ -316,9 +323,10 @@ mod tests {
     }
 
     impl Contacts for Ring {
-        fn row(&self, i: usize) -> impl Iterator<Item = (u32, u32)> {
-            let reaches = self.reaches.into_iter().zip(3 * i as u32..);
-            reaches.map(move |(reach, k)| (i as u32 + reach, k)).filter(|(j, _)| *j < self.n)
+        fn row(&self, i: usize) -> impl DoubleEndedIterator<Item = (u32, u32)> {
+            let reaches = self.reaches.into_iter().enumerate();
+            let row = reaches.map(move |(k, reach)| (i as u32 + reach, (3 * i + k) as u32));
+            row.filter(|(j, _)| *j < self.n)
         }
     }
 

@@ -123,11 +123,12 @@ pub(super) struct Lists<'a> {
 
 impl Contacts for Lists<'_> {
     #[inline(always)]
-    fn row(&self, i: usize) -> impl Iterator<Item = (u32, u32)> {
+    fn row(&self, i: usize) -> impl DoubleEndedIterator<Item = (u32, u32)> {
         let list = &self.lists[i / self.length];
         let range = list.pattern.row(i - list.first);
         let number = list.number + range.start as u32;
-        list.pattern.second[range].iter().copied().zip(number..)
+        let row = list.pattern.second[range].iter().enumerate();
+        row.map(move |(k, second)| (*second, number + k as u32))
     }
 }
 
