@@ -39,6 +39,8 @@ const NO_BENDING: f32 = 1e-9;
 pub struct Coupled {
     /// Contacts of the grains in their order, part by part; empty where that is the only part.
     lists: Vec<List>,
+    /// 1/R of each grain \[1/m\].
+    over_radius: Vec<f32>,
     split: Split,
     parts: Vec<Part>,
     separator: Part,
@@ -57,9 +59,11 @@ impl Coupled {
         reference_stiffness: f64,
     ) {
         let scale = (1.0 / reference_stiffness) as f32;
-        let sources = Sources { balance, near, reference, radius, scale };
         let n = balance.gradient.len();
-        let Self { split, parts, separator, lists, .. } = self;
+        let Self { split, parts, separator, lists, over_radius, .. } = self;
+        over_radius.clear();
+        over_radius.extend(radius.iter().map(|radius| (1.0 / radius) as f32));
+        let sources = Sources { balance, near, reference, over_radius, scale };
         let count = model::parts(n);
         let length = n.div_ceil(count).max(1);
         lists.resize_with(if count == 1 { 0 } else { count }, List::default);
@@ -183,6 +187,7 @@ impl Coupled {
     pub(crate) fn heap_bytes(&self) -> usize {
         heap::bytes(&self.lists)
             + self.lists.iter().map(List::heap_bytes).sum::<usize>()
+            + heap::bytes(&self.over_radius)
             + heap::bytes(&self.parts)
             + self.split.heap_bytes()
             + self.separator.heap_bytes()
@@ -194,7 +199,9 @@ impl Coupled {
     #[must_use]
     pub fn step(&self, i: usize, unit: f64) -> [Vec3; 2] {
         let Place { part, row } = self.split.places()[i];
-        self.part(part).step(row as usize).map(|s| Vec3::from(s.map(f64::from)) * unit)
+        let [[x, y, z], [a, b, c]] = self.part(part).step(row as usize);
+        let three = |x: f32, y: f32, z: f32| Vec3::new(x.into(), y.into(), z.into()) * unit;
+        [three(x, y, z), three(a, b, c)]
     }
 
     fn part(&self, k: u32) -> &Part {

@@ -150,6 +150,8 @@ impl<F: FnMut()> Drop for OnDrop<F> {
 
 #[cfg(test)]
 mod tests {
+    use std::panic::AssertUnwindSafe;
+
     use super::*;
 
     #[test]
@@ -172,13 +174,14 @@ mod tests {
 
     #[test]
     fn a_panic_of_a_member_is_passed_on() {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build();
-        let result = std::panic::catch_unwind(|| {
-            pool.expect("threads").install(|| {
-                let fails = |part: &mut u32, order: u32| assert_ne!(*part, order);
-                together(&mut [1, 2, 3, 4], 0, fails, |crew| (0..=5).for_each(|k| crew.call(k)));
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads");
+        let fails = |part: &mut u32, order: u32| assert_ne!(*part, order);
+        let mut parts = [1, 2, 3, 4];
+        let result = std::panic::catch_unwind(AssertUnwindSafe(|| {
+            pool.install(|| {
+                together(&mut parts, 0, fails, |crew| (0..=5).for_each(|k| crew.call(k)));
             });
-        });
+        }));
         assert!(result.is_err());
     }
 }

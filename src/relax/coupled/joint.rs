@@ -48,19 +48,18 @@ impl Joint {
         Self { n, axial: k, ..Self::default() }
     }
 
-    /// Takes the tangential part of the linearisation, and its normal.
+    /// Takes the tangential part of the linearisation, and its normal; `over_radius` is 1/R of
+    /// both grains.
     #[inline(always)]
-    pub(super) fn shear(&mut self, t: &Traction, radii: [f32; 2], scale: f32) {
+    pub(super) fn shear(&mut self, t: &Traction, over_radius: [f32; 2], scale: f32) {
         let four = |[x, y, z]: [f32; 3]| Four([x, y, z, 0.0]);
         self.n = four(t.normal);
         self.e = four(t.direction);
         self.across = t.across * scale;
         self.sliding = t.sliding * scale;
-        self.lever = [0, 1].map(|k| t.arm[k] / radii[k]);
-        if t.torsion != 0.0 {
-            let root = (t.torsion * scale).sqrt();
-            self.twist = radii.map(|radius| root / radius);
-        }
+        self.lever = [t.arm[0] * over_radius[0], t.arm[1] * over_radius[1]];
+        let root = (t.torsion * scale).sqrt();
+        self.twist = [root * over_radius[0], root * over_radius[1]];
     }
 
     /// The same contact with i and j exchanged.

@@ -17,8 +17,8 @@ pub(super) struct Sources<'a> {
     pub(super) balance: &'a Balance,
     pub(super) near: &'a Neighbours,
     pub(super) reference: &'a Reference,
-    /// R \[m\].
-    pub(super) radius: &'a [f64],
+    /// 1/R of each grain \[1/m\].
+    pub(super) over_radius: &'a [f32],
     /// One over the reference stiffness \[m/N\].
     pub(super) scale: f32,
 }
@@ -52,10 +52,9 @@ impl List {
 
     /// Lists the contacts of `grains` with later ones and with walls.
     pub(super) fn join(&mut self, grains: Range<usize>, sources: Sources<'_>) {
-        let Sources { balance, near, reference, radius, scale } = sources;
+        let Sources { balance, near, reference, over_radius, scale } = sources;
         self.clear();
         self.first = grains.start;
-        let radius = |i: usize| radius[i] as f32;
         let skipped = reference.contacts.partition_point(|h| (h.first as usize) < grains.start);
         let tractions = &balance.tractions[skipped..];
         let mut held = reference.contacts[skipped..].iter().zip(tractions).peekable();
@@ -83,8 +82,8 @@ impl List {
                 }
                 let live = shearing.filter(|t| t.live);
                 if touching.is_some() || live.is_some() {
-                    let radii = [radius(i), radius(second as usize)];
-                    self.joints.push(joint(touching, live, radii, scale));
+                    let over = [over_radius[i], over_radius[second as usize]];
+                    self.joints.push(joint(touching, live, over, scale));
                     self.pattern.second.push(second);
                 }
             }
@@ -96,7 +95,7 @@ impl List {
             }
             while let Some((_, t)) = held.next_if(|(h, _)| h.first as usize == i) {
                 if t.live {
-                    self.walls.push((i as u32, joint(None, Some(t), [radius(i); 2], scale)));
+                    self.walls.push((i as u32, joint(None, Some(t), [over_radius[i]; 2], scale)));
                 }
             }
         }
@@ -105,10 +104,15 @@ impl List {
 
 /// The contact of a touching pair, a pair that holds shear, or both.
 #[inline(always)]
-fn joint(touching: Option<&Link>, live: Option<&Traction>, radii: [f32; 2], scale: f32) -> Joint {
+fn joint(
+    touching: Option<&Link>,
+    live: Option<&Traction>,
+    over_radius: [f32; 2],
+    scale: f32,
+) -> Joint {
     let mut joint = touching.map_or_else(Joint::default, |link| Joint::press(link.m, link.b));
     match (live, touching) {
-        (Some(traction), _) => joint.shear(traction, radii, scale),
+        (Some(traction), _) => joint.shear(traction, over_radius, scale),
         (None, Some(link)) => joint.point(link.m),
         (None, None) => {}
     }
