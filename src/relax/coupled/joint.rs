@@ -1,6 +1,7 @@
 //! One contact between grains in the linearised balance with friction.
 
 use super::block6::{Block6, Six};
+use crate::relax::balance::Link;
 use crate::relax::block::Block;
 use crate::relax::lanes::{Four, Lanes};
 use crate::relax::tangential::Traction;
@@ -27,18 +28,14 @@ pub(super) struct Joint {
 }
 
 impl Joint {
-    /// Of a pair that touches.
+    /// Of a pair that touches and carries no shear.
     #[inline(always)]
-    pub(super) fn press(m: [f32; 3], b: f32) -> Self {
-        Self { axial: m[0] * m[0] + m[1] * m[1] + m[2] * m[2], b, ..Self::default() }
-    }
-
-    /// Takes the normal of a contact that has no tangential part.
-    #[inline(always)]
-    pub(super) fn point(&mut self, m: [f32; 3]) {
-        let length = self.axial.sqrt();
-        self.n = Four([m[0] / length, m[1] / length, m[2] / length, 0.0]);
-        self.lever = [1.0; 2];
+    pub(super) fn pressed(link: &Link) -> Self {
+        let axial = axial(link);
+        let [x, y, z] = link.m;
+        let over = 1.0 / axial.sqrt();
+        let n = Four([x * over, y * over, z * over, 0.0]);
+        Self { n, axial, b: link.b, lever: [1.0; 2], ..Self::default() }
     }
 
     /// Of a grain held along `axis` by walls of the stiffness `k`.
@@ -48,18 +45,27 @@ impl Joint {
         Self { n, axial: k, ..Self::default() }
     }
 
-    /// Takes the tangential part of the linearisation, and its normal; `over_radius` is 1/R of
-    /// both grains.
+    /// Of a contact that carries shear, and may be open; `over_radius` is 1/R of both grains,
+    /// `scale` one over the reference stiffness.
     #[inline(always)]
-    pub(super) fn shear(&mut self, t: &Traction, over_radius: [f32; 2], scale: f32) {
-        let four = |[x, y, z]: [f32; 3]| Four([x, y, z, 0.0]);
-        self.n = four(t.normal);
-        self.e = four(t.direction);
-        self.across = t.across * scale;
-        self.sliding = t.sliding * scale;
-        self.lever = [t.arm[0] * over_radius[0], t.arm[1] * over_radius[1]];
+    pub(super) fn sheared(
+        link: Option<&Link>,
+        t: &Traction,
+        over_radius: [f32; 2],
+        scale: f32,
+    ) -> Self {
+        let ([nx, ny, nz], [ex, ey, ez]) = (t.normal, t.direction);
         let root = (t.torsion * scale).sqrt();
-        self.twist = [root * over_radius[0], root * over_radius[1]];
+        Self {
+            n: Four([nx, ny, nz, 0.0]),
+            e: Four([ex, ey, ez, 0.0]),
+            axial: link.map_or(0.0, axial),
+            b: link.map_or(0.0, |link| link.b),
+            across: t.across * scale,
+            sliding: t.sliding * scale,
+            lever: [t.arm[0] * over_radius[0], t.arm[1] * over_radius[1]],
+            twist: [root * over_radius[0], root * over_radius[1]],
+        }
     }
 
     /// The same contact with i and j exchanged.
@@ -126,6 +132,13 @@ impl Joint {
         l.store(a1, l.mul_add(be, f1, l.sub_mul(a, n2, l.load(a1))));
         l.store(a2, l.mul_add(be, l.zxy(f), l.mul_add(a, n1, l.load(a2))));
     }
+}
+
+/// kn + P/r of a pair that touches.
+#[inline(always)]
+fn axial(link: &Link) -> f32 {
+    let [x, y, z] = link.m;
+    x * x + y * y + z * z
 }
 
 /// Adds even I + Σ s a aᵀ over the `products` (s, [a, a turned once]) to `to`.

@@ -60,31 +60,36 @@ impl List {
         let mut held = reference.contacts[skipped..].iter().zip(tractions).peekable();
         for (row, i) in grains.enumerate() {
             let first = near.row(i).start;
-            let mut links = balance.links[first..first + balance.links_in_row[i] as usize].iter();
-            let mut link = links.next();
-            loop {
-                let traction = held.peek().and_then(|(h, t)| match h.second {
-                    Other::Grain(j) if h.first as usize == i => Some((j, *t)),
-                    _ => None,
-                });
-                let (second, touching, shearing) = match (link, traction) {
-                    (None, None) => break,
-                    (Some(l), Some((j, t))) if l.second == j => (j, Some(l), Some(t)),
-                    (Some(l), Some((j, _))) if l.second < j => (l.second, Some(l), None),
-                    (Some(l), None) => (l.second, Some(l), None),
-                    (_, Some((j, t))) => (j, None, Some(t)),
+            let links = &balance.links[first..][..balance.links_in_row[i] as usize];
+            let sheared = |link: Option<&Link>, second: usize, traction: &Traction| {
+                let over = [over_radius[i], over_radius[second]];
+                Joint::sheared(link, traction, over, scale)
+            };
+            // Both lists are in the order of the second grain; walls come last.
+            for link in links {
+                let mut live = None;
+                let upto = (i as u32, Other::Grain(link.second));
+                while let Some((h, t)) = held.next_if(|(h, _)| (h.first, h.second) <= upto) {
+                    match h.second {
+                        Other::Grain(j) if j < link.second => {
+                            if t.live {
+                                self.push(j, sheared(None, j as usize, t));
+                            }
+                        }
+                        _ => live = t.live.then_some(t),
+                    }
+                }
+                let joint = match live {
+                    Some(t) => sheared(Some(link), link.second as usize, t),
+                    None => Joint::pressed(link),
                 };
-                if shearing.is_some() {
-                    held.next();
-                }
-                if touching.is_some() {
-                    link = links.next();
-                }
-                let live = shearing.filter(|t| t.live);
-                if touching.is_some() || live.is_some() {
-                    let over = [over_radius[i], over_radius[second as usize]];
-                    self.joints.push(joint(touching, live, over, scale));
-                    self.pattern.second.push(second);
+                self.push(link.second, joint);
+            }
+            while let Some((h, t)) = held.next_if(|(h, _)| h.first as usize == i) {
+                match h.second {
+                    _ if !t.live => {}
+                    Other::Grain(j) => self.push(j, sheared(None, j as usize, t)),
+                    Other::Wall(_) => self.walls.push((i as u32, sheared(None, i, t))),
                 }
             }
             self.pattern.end(row + 1);
@@ -93,30 +98,14 @@ impl List {
             {
                 self.walls.push((i as u32, Joint::wall(axis, k)));
             }
-            while let Some((_, t)) = held.next_if(|(h, _)| h.first as usize == i) {
-                if t.live {
-                    self.walls.push((i as u32, joint(None, Some(t), [over_radius[i]; 2], scale)));
-                }
-            }
         }
     }
-}
 
-/// The contact of a touching pair, a pair that holds shear, or both.
-#[inline(always)]
-fn joint(
-    touching: Option<&Link>,
-    live: Option<&Traction>,
-    over_radius: [f32; 2],
-    scale: f32,
-) -> Joint {
-    let mut joint = touching.map_or_else(Joint::default, |link| Joint::press(link.m, link.b));
-    match (live, touching) {
-        (Some(traction), _) => joint.shear(traction, over_radius, scale),
-        (None, Some(link)) => joint.point(link.m),
-        (None, None) => {}
+    #[inline(always)]
+    fn push(&mut self, second: u32, joint: Joint) {
+        self.pattern.second.push(second);
+        self.joints.push(joint);
     }
-    joint
 }
 
 /// The lists of successive stretches of the same length.
