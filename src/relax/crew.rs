@@ -110,7 +110,7 @@ impl<'a, P, O: Copy, W: Fn(&mut P, O)> Crew<'a, P, O, W> {
             let _done = OnDrop(|| {
                 self.done.fetch_add(1, Ordering::Release);
             });
-            (self.work)(&mut *lock(&self.parts[part]), order);
+            (self.work)(*lock(&self.parts[part]), order);
         }
         true
     }
