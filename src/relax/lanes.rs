@@ -19,16 +19,10 @@ pub(super) fn in_double([x, y, z, w]: [f32; 4]) -> f64 {
 #[repr(C, align(16))]
 pub(super) struct Four(pub(super) [f32; 4]);
 
-/// The operations that the kernels are made of.
-pub(super) trait Lanes: Copy + Send + Sync {
-    /// Four numbers in a register.
+/// Arithmetic in registers.
+pub(super) trait Arithmetic: Copy {
+    /// Four numbers in a register, or twice four.
     type F: Copy;
-    /// From memory.
-    fn load(self, from: &Four) -> Self::F;
-    /// To memory.
-    fn store(self, to: &mut Four, f: Self::F);
-    /// Four numbers that are not together in memory yet.
-    fn set(self, from: [f32; 4]) -> Self::F;
     /// The same number four times.
     fn splat(self, x: f32) -> Self::F;
     /// a + b.
@@ -37,20 +31,40 @@ pub(super) trait Lanes: Copy + Send + Sync {
     fn sub(self, a: Self::F, b: Self::F) -> Self::F;
     /// a b.
     fn mul(self, a: Self::F, b: Self::F) -> Self::F;
-    /// a / b.
-    fn div(self, a: Self::F, b: Self::F) -> Self::F;
     /// a b + c, rounded once.
     fn mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F;
     /// c - a b, rounded once.
     fn sub_mul(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F;
-    /// Lane `LANE` four times.
-    fn lane<const LANE: usize>(self, a: Self::F) -> Self::F;
     /// (y, z, x, w).
     fn yzx(self, a: Self::F) -> Self::F;
     /// (z, x, y, w).
     fn zxy(self, a: Self::F) -> Self::F;
     /// The sum of all lanes, (x + y) + (z + w), four times.
     fn sum(self, a: Self::F) -> Self::F;
+}
+
+/// The operations that the kernels are made of, on four numbers.
+pub(super) trait Lanes: Arithmetic + Send + Sync {
+    /// The same with twice four numbers.
+    type Two: Arithmetic;
+    /// The same with twice four numbers.
+    fn two(self) -> Self::Two;
+    /// Twice four numbers.
+    fn pair(self, a: Self::F, b: Self::F) -> <Self::Two as Arithmetic>::F;
+    /// `a` four times, then `b`.
+    fn splats(self, a: f32, b: f32) -> <Self::Two as Arithmetic>::F;
+    /// Twice four numbers apart.
+    fn halves(self, a: <Self::Two as Arithmetic>::F) -> [Self::F; 2];
+    /// From memory.
+    fn load(self, from: &Four) -> Self::F;
+    /// To memory.
+    fn store(self, to: &mut Four, f: Self::F);
+    /// Four numbers that are not together in memory yet.
+    fn set(self, from: [f32; 4]) -> Self::F;
+    /// a / b.
+    fn div(self, a: Self::F, b: Self::F) -> Self::F;
+    /// Lane `LANE` four times.
+    fn lane<const LANE: usize>(self, a: Self::F) -> Self::F;
     /// Lanes where a >= b, as bits.
     fn at_least(self, a: Self::F, b: Self::F) -> u32;
     /// Rows to columns.
@@ -93,23 +107,8 @@ pub fn kernels() -> &'static str {
 #[derive(Clone, Copy)]
 pub(super) struct Portable;
 
-impl Lanes for Portable {
+impl Arithmetic for Portable {
     type F = [f32; 4];
-
-    #[inline(always)]
-    fn load(self, from: &Four) -> Self::F {
-        from.0
-    }
-
-    #[inline(always)]
-    fn store(self, to: &mut Four, f: Self::F) {
-        to.0 = f;
-    }
-
-    #[inline(always)]
-    fn set(self, from: [f32; 4]) -> Self::F {
-        from
-    }
 
     #[inline(always)]
     fn splat(self, x: f32) -> Self::F {
@@ -132,11 +131,6 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    fn div(self, a: Self::F, b: Self::F) -> Self::F {
-        std::array::from_fn(|k| a[k] / b[k])
-    }
-
-    #[inline(always)]
     fn mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F {
         std::array::from_fn(|k| a[k].mul_add(b[k], c[k]))
     }
@@ -144,11 +138,6 @@ impl Lanes for Portable {
     #[inline(always)]
     fn sub_mul(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F {
         std::array::from_fn(|k| (-a[k]).mul_add(b[k], c[k]))
-    }
-
-    #[inline(always)]
-    fn lane<const LANE: usize>(self, a: Self::F) -> Self::F {
-        [a[LANE]; 4]
     }
 
     #[inline(always)]
@@ -164,6 +153,55 @@ impl Lanes for Portable {
     #[inline(always)]
     fn sum(self, a: Self::F) -> Self::F {
         [(a[0] + a[1]) + (a[2] + a[3]); 4]
+    }
+}
+
+impl Lanes for Portable {
+    type Two = PortableTwo;
+
+    #[inline(always)]
+    fn two(self) -> PortableTwo {
+        PortableTwo
+    }
+
+    #[inline(always)]
+    fn pair(self, a: [f32; 4], b: [f32; 4]) -> [[f32; 4]; 2] {
+        [a, b]
+    }
+
+    #[inline(always)]
+    fn splats(self, a: f32, b: f32) -> [[f32; 4]; 2] {
+        [[a; 4], [b; 4]]
+    }
+
+    #[inline(always)]
+    fn halves(self, a: [[f32; 4]; 2]) -> [[f32; 4]; 2] {
+        a
+    }
+
+    #[inline(always)]
+    fn load(self, from: &Four) -> Self::F {
+        from.0
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut Four, f: Self::F) {
+        to.0 = f;
+    }
+
+    #[inline(always)]
+    fn set(self, from: [f32; 4]) -> Self::F {
+        from
+    }
+
+    #[inline(always)]
+    fn div(self, a: Self::F, b: Self::F) -> Self::F {
+        std::array::from_fn(|k| a[k] / b[k])
+    }
+
+    #[inline(always)]
+    fn lane<const LANE: usize>(self, a: Self::F) -> Self::F {
+        [a[LANE]; 4]
     }
 
     #[inline(always)]
@@ -182,15 +220,71 @@ impl Lanes for Portable {
     }
 }
 
+/// Plain Rust, twice.
+#[derive(Clone, Copy)]
+pub(super) struct PortableTwo;
+
+impl Arithmetic for PortableTwo {
+    type F = [[f32; 4]; 2];
+
+    #[inline(always)]
+    fn splat(self, x: f32) -> Self::F {
+        [[x; 4]; 2]
+    }
+
+    #[inline(always)]
+    fn add(self, a: Self::F, b: Self::F) -> Self::F {
+        [Portable.add(a[0], b[0]), Portable.add(a[1], b[1])]
+    }
+
+    #[inline(always)]
+    fn sub(self, a: Self::F, b: Self::F) -> Self::F {
+        [Portable.sub(a[0], b[0]), Portable.sub(a[1], b[1])]
+    }
+
+    #[inline(always)]
+    fn mul(self, a: Self::F, b: Self::F) -> Self::F {
+        [Portable.mul(a[0], b[0]), Portable.mul(a[1], b[1])]
+    }
+
+    #[inline(always)]
+    fn mul_add(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F {
+        [Portable.mul_add(a[0], b[0], c[0]), Portable.mul_add(a[1], b[1], c[1])]
+    }
+
+    #[inline(always)]
+    fn sub_mul(self, a: Self::F, b: Self::F, c: Self::F) -> Self::F {
+        [Portable.sub_mul(a[0], b[0], c[0]), Portable.sub_mul(a[1], b[1], c[1])]
+    }
+
+    #[inline(always)]
+    fn yzx(self, a: Self::F) -> Self::F {
+        [Portable.yzx(a[0]), Portable.yzx(a[1])]
+    }
+
+    #[inline(always)]
+    fn zxy(self, a: Self::F) -> Self::F {
+        [Portable.zxy(a[0]), Portable.zxy(a[1])]
+    }
+
+    #[inline(always)]
+    fn sum(self, a: Self::F) -> Self::F {
+        [Portable.sum(a[0]), Portable.sum(a[1])]
+    }
+}
+
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     use std::arch::x86_64::{
-        __m128, _mm_add_ps, _mm_cmpge_ps, _mm_div_ps, _mm_fmadd_ps, _mm_fnmadd_ps, _mm_load_ps,
-        _mm_movehl_ps, _mm_movelh_ps, _mm_movemask_ps, _mm_mul_ps, _mm_permute_ps, _mm_set1_ps,
-        _mm_setr_ps, _mm_store_ps, _mm_sub_ps, _mm_unpackhi_ps, _mm_unpacklo_ps,
+        __m128, __m256, _mm_add_ps, _mm_cmpge_ps, _mm_div_ps, _mm_fmadd_ps, _mm_fnmadd_ps,
+        _mm_load_ps, _mm_movehl_ps, _mm_movelh_ps, _mm_movemask_ps, _mm_mul_ps, _mm_permute_ps,
+        _mm_set1_ps, _mm_setr_ps, _mm_store_ps, _mm_sub_ps, _mm_unpackhi_ps, _mm_unpacklo_ps,
+        _mm256_add_ps, _mm256_blend_ps, _mm256_castps256_ps128, _mm256_extractf128_ps,
+        _mm256_fmadd_ps, _mm256_fnmadd_ps, _mm256_mul_ps, _mm256_permute_ps, _mm256_set_m128,
+        _mm256_set1_ps, _mm256_sub_ps,
     };
 
-    use super::{Four, Kernel, Lanes};
+    use super::{Arithmetic, Four, Kernel, Lanes};
 
     /// A processor with AVX2 and FMA.
     #[derive(Clone, Copy)]
@@ -212,23 +306,8 @@ mod x86 {
 
     // SAFETY, of every block here: a `Fused` exists only where AVX2 and FMA do, and a `Four` is 16
     // aligned bytes.
-    impl Lanes for Fused {
+    impl Arithmetic for Fused {
         type F = __m128;
-
-        #[inline(always)]
-        fn load(self, from: &Four) -> __m128 {
-            unsafe { _mm_load_ps(from.0.as_ptr()) }
-        }
-
-        #[inline(always)]
-        fn store(self, to: &mut Four, f: __m128) {
-            unsafe { _mm_store_ps(to.0.as_mut_ptr(), f) }
-        }
-
-        #[inline(always)]
-        fn set(self, [x, y, z, w]: [f32; 4]) -> __m128 {
-            unsafe { _mm_setr_ps(x, y, z, w) }
-        }
 
         #[inline(always)]
         fn splat(self, x: f32) -> __m128 {
@@ -251,11 +330,6 @@ mod x86 {
         }
 
         #[inline(always)]
-        fn div(self, a: __m128, b: __m128) -> __m128 {
-            unsafe { _mm_div_ps(a, b) }
-        }
-
-        #[inline(always)]
         fn mul_add(self, a: __m128, b: __m128, c: __m128) -> __m128 {
             unsafe { _mm_fmadd_ps(a, b, c) }
         }
@@ -263,18 +337,6 @@ mod x86 {
         #[inline(always)]
         fn sub_mul(self, a: __m128, b: __m128, c: __m128) -> __m128 {
             unsafe { _mm_fnmadd_ps(a, b, c) }
-        }
-
-        #[inline(always)]
-        fn lane<const LANE: usize>(self, a: __m128) -> __m128 {
-            unsafe {
-                match LANE {
-                    0 => _mm_permute_ps::<0b00_00_00_00>(a),
-                    1 => _mm_permute_ps::<0b01_01_01_01>(a),
-                    2 => _mm_permute_ps::<0b10_10_10_10>(a),
-                    _ => _mm_permute_ps::<0b11_11_11_11>(a),
-                }
-            }
         }
 
         #[inline(always)]
@@ -292,6 +354,62 @@ mod x86 {
             unsafe {
                 let pairs = _mm_add_ps(a, _mm_permute_ps::<0b10_11_00_01>(a));
                 _mm_add_ps(pairs, _mm_permute_ps::<0b01_00_11_10>(pairs))
+            }
+        }
+    }
+
+    impl Lanes for Fused {
+        type Two = FusedTwo;
+
+        #[inline(always)]
+        fn two(self) -> FusedTwo {
+            FusedTwo(())
+        }
+
+        #[inline(always)]
+        fn pair(self, a: __m128, b: __m128) -> __m256 {
+            unsafe { _mm256_set_m128(b, a) }
+        }
+
+        #[inline(always)]
+        fn splats(self, a: f32, b: f32) -> __m256 {
+            unsafe { _mm256_blend_ps::<0b1111_0000>(_mm256_set1_ps(a), _mm256_set1_ps(b)) }
+        }
+
+        #[inline(always)]
+        fn halves(self, a: __m256) -> [__m128; 2] {
+            unsafe { [_mm256_castps256_ps128(a), _mm256_extractf128_ps::<1>(a)] }
+        }
+
+        #[inline(always)]
+        fn load(self, from: &Four) -> __m128 {
+            unsafe { _mm_load_ps(from.0.as_ptr()) }
+        }
+
+        #[inline(always)]
+        fn store(self, to: &mut Four, f: __m128) {
+            unsafe { _mm_store_ps(to.0.as_mut_ptr(), f) }
+        }
+
+        #[inline(always)]
+        fn set(self, [x, y, z, w]: [f32; 4]) -> __m128 {
+            unsafe { _mm_setr_ps(x, y, z, w) }
+        }
+
+        #[inline(always)]
+        fn div(self, a: __m128, b: __m128) -> __m128 {
+            unsafe { _mm_div_ps(a, b) }
+        }
+
+        #[inline(always)]
+        fn lane<const LANE: usize>(self, a: __m128) -> __m128 {
+            unsafe {
+                match LANE {
+                    0 => _mm_permute_ps::<0b00_00_00_00>(a),
+                    1 => _mm_permute_ps::<0b01_01_01_01>(a),
+                    2 => _mm_permute_ps::<0b10_10_10_10>(a),
+                    _ => _mm_permute_ps::<0b11_11_11_11>(a),
+                }
             }
         }
 
@@ -322,6 +440,62 @@ mod x86 {
         }
     }
 
+    /// [`Fused`], twice; from [`Lanes::two`] alone.
+    #[derive(Clone, Copy)]
+    pub(super) struct FusedTwo(());
+
+    impl Arithmetic for FusedTwo {
+        type F = __m256;
+
+        #[inline(always)]
+        fn splat(self, x: f32) -> __m256 {
+            unsafe { _mm256_set1_ps(x) }
+        }
+
+        #[inline(always)]
+        fn add(self, a: __m256, b: __m256) -> __m256 {
+            unsafe { _mm256_add_ps(a, b) }
+        }
+
+        #[inline(always)]
+        fn sub(self, a: __m256, b: __m256) -> __m256 {
+            unsafe { _mm256_sub_ps(a, b) }
+        }
+
+        #[inline(always)]
+        fn mul(self, a: __m256, b: __m256) -> __m256 {
+            unsafe { _mm256_mul_ps(a, b) }
+        }
+
+        #[inline(always)]
+        fn mul_add(self, a: __m256, b: __m256, c: __m256) -> __m256 {
+            unsafe { _mm256_fmadd_ps(a, b, c) }
+        }
+
+        #[inline(always)]
+        fn sub_mul(self, a: __m256, b: __m256, c: __m256) -> __m256 {
+            unsafe { _mm256_fnmadd_ps(a, b, c) }
+        }
+
+        #[inline(always)]
+        fn yzx(self, a: __m256) -> __m256 {
+            unsafe { _mm256_permute_ps::<0b11_00_10_01>(a) }
+        }
+
+        #[inline(always)]
+        fn zxy(self, a: __m256) -> __m256 {
+            unsafe { _mm256_permute_ps::<0b11_01_00_10>(a) }
+        }
+
+        #[inline(always)]
+        fn sum(self, a: __m256) -> __m256 {
+            unsafe {
+                let pairs = _mm256_add_ps(a, _mm256_permute_ps::<0b10_11_00_01>(a));
+                _mm256_add_ps(pairs, _mm256_permute_ps::<0b01_00_11_10>(pairs))
+            }
+        }
+    }
+
     #[cfg(test)]
     mod tests {
         use super::super::Portable;
@@ -337,6 +511,20 @@ mod x86 {
             fn run<L: Lanes>(self, l: L) -> Self::Output {
                 let [a, b, c] = self.0.map(|four| l.load(&four));
                 let [t0, t1, t2, t3] = l.transpose([a, b, c, l.zxy(a)]);
+                let two = l.two();
+                let (p, q, r) = (l.pair(a, b), l.pair(b, c), l.splats(0.3, 0.7));
+                let pairs = [
+                    two.splat(0.1),
+                    two.add(p, q),
+                    two.sub(p, r),
+                    two.mul(p, q),
+                    two.mul_add(p, q, r),
+                    two.sub_mul(p, q, r),
+                    two.yzx(p),
+                    two.zxy(p),
+                    two.sum(p),
+                ];
+                let pairs = pairs.into_iter().flat_map(|pair| l.halves(pair));
                 let above = [l.at_least(a, b), l.at_least(b, a), l.at_least(a, a)];
                 let all = [
                     a,
@@ -360,8 +548,8 @@ mod x86 {
                     t2,
                     t3,
                 ];
-                let bits = all.map(|f| l.array(f).map(f32::to_bits));
-                bits.into_iter().chain([[above[0], above[1], above[2], 0]]).collect()
+                let bits = all.into_iter().chain(pairs).map(|f| l.array(f).map(f32::to_bits));
+                bits.chain([[above[0], above[1], above[2], 0]]).collect()
             }
         }
 

@@ -1,9 +1,9 @@
 //! One contact between grains in the linearised balance with friction.
 
-use super::block6::{Block6, Six};
+use super::block6::Block6;
 use crate::relax::balance::Link;
 use crate::relax::block::Block;
-use crate::relax::lanes::{Four, Lanes};
+use crate::relax::lanes::{Arithmetic, Four, Lanes};
 use crate::relax::tangential::Traction;
 
 /// A contact of grains i and j, in units of the reference stiffness: 64 bytes.
@@ -75,38 +75,41 @@ impl Joint {
         Self { n: Four(self.n.0.map(|n| -n)), lever: [lj, li], twist: [cj, ci], ..*self }
     }
 
-    /// Adds this contact's part of the product with x to y.
+    /// This contact in registers.
     #[inline(always)]
-    pub(super) fn multiply<L: Lanes>(
-        &self,
+    pub(super) fn loaded<L: Lanes>(&self, l: L) -> Loaded<L::F> {
+        let [li, lj] = self.lever;
+        let [ci, cj] = self.twist;
+        Loaded {
+            n: l.load(&self.n),
+            e: l.load(&self.e),
+            axial: l.splat(self.axial),
+            b: l.splat(self.b),
+            across: l.splat(self.across),
+            sliding: l.splat(self.sliding),
+            lever: [l.splat(li), l.splat(lj)],
+            twist: [l.splat(ci), l.splat(cj)],
+        }
+    }
+
+    /// Two contacts in registers, beside each other.
+    #[inline(always)]
+    pub(super) fn loaded_two<L: Lanes>(
         l: L,
-        [ui, wi]: [L::F; 2],
-        xj: &Six,
-        [fi, mi]: [L::F; 2],
-        yj: &mut Six,
-    ) -> [L::F; 2] {
-        let (uj, wj) = (l.load(&xj.u), l.load(&xj.w));
-        let (n, e) = (l.load(&self.n), l.load(&self.e));
-        let [li, lj] = [l.splat(self.lever[0]), l.splat(self.lever[1])];
-        let [ci, cj] = [l.splat(self.twist[0]), l.splat(self.twist[1])];
-        let (n1, n2) = (l.yzx(n), l.zxy(n));
-        let d = l.sub(ui, uj);
-        let omega = l.mul_add(li, wi, l.mul(lj, wj));
-        // s = T d + n̂ × ω
-        let normal = l.sum(l.mul(n, d));
-        let s = l.mul_add(n1, l.zxy(omega), l.sub_mul(n, normal, d));
-        let s = l.sub_mul(n2, l.yzx(omega), s);
-        let along = l.mul(l.splat(self.sliding), l.sum(l.mul(e, s)));
-        let t = l.mul_add(along, e, l.mul(l.splat(self.across), s));
-        let force = l.mul_add(l.mul(l.splat(self.axial), normal), n, t);
-        let force = l.sub_mul(l.splat(self.b), d, force);
-        let torque = l.sub_mul(l.zxy(t), n1, l.mul(l.yzx(t), n2)); // t × n̂
-        let twist = l.sum(l.mul(n, l.sub_mul(cj, wj, l.mul(ci, wi))));
-        let couple = l.mul(twist, n);
-        let (fj, mj) = (l.load(&yj.u), l.load(&yj.w));
-        l.store(&mut yj.u, l.sub(fj, force));
-        l.store(&mut yj.w, l.sub_mul(cj, couple, l.mul_add(lj, torque, mj)));
-        [l.add(fi, force), l.mul_add(ci, couple, l.mul_add(li, torque, mi))]
+        [a, b]: &[Self; 2],
+    ) -> Loaded<<L::Two as Arithmetic>::F> {
+        let ([li, lj], [ci, cj]) = (a.lever, a.twist);
+        let ([lk, ll], [ck, cl]) = (b.lever, b.twist);
+        Loaded {
+            n: l.pair(l.load(&a.n), l.load(&b.n)),
+            e: l.pair(l.load(&a.e), l.load(&b.e)),
+            axial: l.splats(a.axial, b.axial),
+            b: l.splats(a.b, b.b),
+            across: l.splats(a.across, b.across),
+            sliding: l.splats(a.sliding, b.sliding),
+            lever: [l.splats(li, lk), l.splats(lj, ll)],
+            twist: [l.splats(ci, ck), l.splats(cj, cl)],
+        }
     }
 
     /// Adds the diagonal block of grain i (`side` 0) or j (1) to `to`.
@@ -131,6 +134,49 @@ impl Joint {
         l.store(a0, l.mul_add(be, f, l.load(a0)));
         l.store(a1, l.mul_add(be, f1, l.sub_mul(a, n2, l.load(a1))));
         l.store(a2, l.mul_add(be, l.zxy(f), l.mul_add(a, n1, l.load(a2))));
+    }
+}
+
+/// A contact in registers.
+pub(super) struct Loaded<F> {
+    n: F,
+    e: F,
+    axial: F,
+    b: F,
+    across: F,
+    sliding: F,
+    lever: [F; 2],
+    twist: [F; 2],
+}
+
+impl<F: Copy> Loaded<F> {
+    /// Adds this contact's part of the product with x of both grains to their y.
+    #[inline(always)]
+    pub(super) fn multiply<A: Arithmetic<F = F>>(
+        &self,
+        l: A,
+        [[ui, wi], [uj, wj]]: [[F; 2]; 2],
+        [[fi, mi], [fj, mj]]: [[F; 2]; 2],
+    ) -> [[F; 2]; 2] {
+        let Self { n, e, lever: [li, lj], twist: [ci, cj], .. } = *self;
+        let (n1, n2) = (l.yzx(n), l.zxy(n));
+        let d = l.sub(ui, uj);
+        let omega = l.mul_add(li, wi, l.mul(lj, wj));
+        // s = T d + n̂ × ω
+        let normal = l.sum(l.mul(n, d));
+        let s = l.mul_add(n1, l.zxy(omega), l.sub_mul(n, normal, d));
+        let s = l.sub_mul(n2, l.yzx(omega), s);
+        let along = l.mul(self.sliding, l.sum(l.mul(e, s)));
+        let t = l.mul_add(along, e, l.mul(self.across, s));
+        let force = l.mul_add(l.mul(self.axial, normal), n, t);
+        let force = l.sub_mul(self.b, d, force);
+        let torque = l.sub_mul(l.zxy(t), n1, l.mul(l.yzx(t), n2)); // t × n̂
+        let twist = l.sum(l.mul(n, l.sub_mul(cj, wj, l.mul(ci, wi))));
+        let couple = l.mul(twist, n);
+        [
+            [l.add(fi, force), l.mul_add(ci, couple, l.mul_add(li, torque, mi))],
+            [l.sub(fj, force), l.sub_mul(cj, couple, l.mul_add(lj, torque, mj))],
+        ]
     }
 }
 

@@ -6,7 +6,7 @@ use super::joint::Joint;
 use super::list::{List, Lists};
 use crate::Vec3;
 use crate::heap;
-use crate::relax::lanes::{self, Four, Kernel, LANE_ROWS, Lanes, dispatch};
+use crate::relax::lanes::{self, Arithmetic, Four, Kernel, LANE_ROWS, Lanes, dispatch};
 use crate::relax::split::Split;
 
 /// Rows of the grains of this part, and behind them those of the separator it touches.
@@ -277,19 +277,53 @@ impl Kernel for Multiply<'_> {
             l.store(&mut y.u, l.add(u, force));
             l.store(&mut y.w, l.add(w, moment));
         }
+        let (two, zero) = (l.two(), l.splat(0.0));
         for i in 0..shift.len() {
             let (x, y) = (&direction[i], &product[i]);
             let x = [l.load(&x.u), l.load(&x.w)];
             let mut sum = [l.load(&y.u), l.load(&y.w)];
             let range = pattern.row(i);
-            for (joint, &j) in joints[range.clone()].iter().zip(&pattern.second[range]) {
+            let (joints, one) = joints[range.clone()].as_chunks::<2>();
+            let (second, one_second) = pattern.second[range].as_chunks::<2>();
+            if !joints.is_empty() {
+                // The second grains of a row's contacts all differ.
+                let xi = [l.pair(x[0], x[0]), l.pair(x[1], x[1])];
+                let mut sums = [l.pair(sum[0], zero), l.pair(sum[1], zero)];
+                for (joints, &[j, k]) in joints.iter().zip(second) {
+                    let (j, k) = (j as usize, k as usize);
+                    let xj = six_pair(l, &direction[j], &direction[k]);
+                    let yj = six_pair(l, &product[j], &product[k]);
+                    let loaded = Joint::loaded_two(l, joints);
+                    let [y, [u, w]] = loaded.multiply(two, [xi, xj], [sums, yj]);
+                    sums = y;
+                    let ([uj, uk], [wj, wk]) = (l.halves(u), l.halves(w));
+                    l.store(&mut product[j].u, uj);
+                    l.store(&mut product[j].w, wj);
+                    l.store(&mut product[k].u, uk);
+                    l.store(&mut product[k].w, wk);
+                }
+                let ([u, v], [w, z]) = (l.halves(sums[0]), l.halves(sums[1]));
+                sum = [l.add(u, v), l.add(w, z)];
+            }
+            for (joint, &j) in one.iter().zip(one_second) {
                 let j = j as usize;
-                sum = joint.multiply(l, x, &direction[j], sum, &mut product[j]);
+                let xj = [l.load(&direction[j].u), l.load(&direction[j].w)];
+                let yj = [l.load(&product[j].u), l.load(&product[j].w)];
+                let [y, [u, w]] = joint.loaded(l).multiply(l, [x, xj], [sum, yj]);
+                sum = y;
+                l.store(&mut product[j].u, u);
+                l.store(&mut product[j].w, w);
             }
             l.store(&mut product[i].u, sum[0]);
             l.store(&mut product[i].w, sum[1]);
         }
     }
+}
+
+/// Two rows beside each other.
+#[inline(always)]
+fn six_pair<L: Lanes>(l: L, a: &Six, b: &Six) -> [<L::Two as Arithmetic>::F; 2] {
+    [l.pair(l.load(&a.u), l.load(&b.u)), l.pair(l.load(&a.w), l.load(&b.w))]
 }
 
 struct Measure<'a> {
