@@ -21,9 +21,11 @@ mod gauss_seidel;
 pub mod jump;
 pub mod lanes;
 pub mod linear;
+mod loose;
 pub mod newton;
 pub mod rattlers;
 mod rows;
+mod site;
 mod split;
 mod sticking;
 mod sym3;
@@ -45,8 +47,10 @@ use dynamic::Inertia;
 use gauss_seidel::Sweeper;
 use jump::{Jump, Pose};
 use linear::{Inner, Linear};
+use loose::Loose;
 use newton::Solved;
 use rattlers::Rattlers;
+use site::Others;
 use tangential::{Changes, Reference};
 
 /// Times that floating grains which turn out to carry load may join the balance.
@@ -136,15 +140,12 @@ pub struct Workspace {
     pub follows: bool,
     /// Instabilities followed since the list was last emptied.
     pub jumps: Vec<Jump>,
-    /// Newton steps longer than this many mean overlaps are shortened by a shift of the Hessian.
+    /// Newton steps of a grain longer than this many mean overlaps are shortened.
     pub step_cap: f64,
     /// Shift of each grain's block, shape (n).
     shift: Vec<f32>,
     /// First shift of each grain, and the one below which it is dropped, shape (n).
     first_shift: Vec<f32>,
-    /// What each grain's cap is multiplied by, shape (n); with friction it grows with each whole
-    /// step that was capped. Negative while the present step is.
-    stride: Vec<f32>,
     /// Contacts of each grain, shape (n), those that stick twice; for packs with weight or friction.
     support: Vec<u32>,
     /// The present step \[m\], shape (n), and its rotations times radius \[m\], shape (n) or empty.
@@ -166,6 +167,7 @@ pub struct Workspace {
     memory: Memory,
     rattlers: Rattlers,
     sweeper: Sweeper,
+    loose: Loose,
     inertia: Inertia,
     negligible_force: f64,
 }
@@ -188,7 +190,6 @@ impl Workspace {
             jumps: Vec::new(),
             shift: vec![0.0; model.len()],
             first_shift: Vec::with_capacity(model.len()),
-            stride: Vec::with_capacity(model.len()),
             support: Vec::new(),
             step: Vec::with_capacity(model.len()),
             turn: Vec::new(),
@@ -203,6 +204,7 @@ impl Workspace {
             memory: Memory::default(),
             rattlers: Rattlers::default(),
             sweeper: Sweeper::default(),
+            loose: Loose::default(),
             inertia: Inertia::default(),
             negligible_force: model.negligible_force(),
         }
@@ -235,10 +237,10 @@ impl Workspace {
             + self.memory.heap_bytes()
             + self.rattlers.heap_bytes()
             + self.sweeper.heap_bytes()
+            + self.loose.heap_bytes()
             + self.inertia.heap_bytes()
             + single
             + heap::bytes(&self.support)
-            + heap::bytes(&self.stride)
             + heap::bytes(&self.jumps)
             + jumps
             + self.origin.heap_bytes()
@@ -339,6 +341,25 @@ impl Workspace {
 
     /// Takes the balance of `state` moved by `factor` times the step into `trial_balance`.
     fn try_step(&mut self, model: &Model, state: &State, bounds: &Bounds, factor: f64) {
+        self.go(model, state, factor);
+        self.judge(model, state, bounds);
+    }
+
+    /// As [`try_step`](Self::try_step), with the loose grains brought to balance where that leads.
+    fn try_settled_step(&mut self, model: &Model, state: &State, bounds: &Bounds, factor: f64) {
+        self.go(model, state, factor);
+        self.neighbours.refresh(model, &self.trial, bounds);
+        let force = newton::mean_square(&self.balance).sqrt();
+        let overlap = self.balance.sums.mean_overlap();
+        let Self { neighbours, reference, loose, trial, trial_rotation, .. } = self;
+        let carries = &state.carries;
+        let others = Others { model, neighbours, reference, carries, bounds };
+        self.concave |= loose.settle(&others, trial, trial_rotation, force, overlap);
+        self.judge(model, state, bounds);
+    }
+
+    /// Puts the grains of `state`, moved by `factor` times the step, on trial.
+    fn go(&mut self, model: &Model, state: &State, factor: f64) {
         self.trial.clear();
         self.trial
             .extend(state.position.iter().zip(&self.step).map(|(at, step)| at + step * factor));
@@ -347,6 +368,10 @@ impl Workspace {
             (state.rotation.iter().zip(&self.turn).zip(&model.radius))
                 .map(|((at, turn), radius)| at + turn * (factor / radius)),
         );
+    }
+
+    /// Takes the balance of the grains on trial.
+    fn judge(&mut self, model: &Model, state: &State, bounds: &Bounds) {
         self.neighbours.refresh(model, &self.trial, bounds);
         self.trial_balance.evaluate(&Configuration {
             model,

@@ -7,17 +7,18 @@
 //! its shear stiffness set to zero (B 2.4) a grain can go to and fro between slip and slip; here it
 //! keeps that of sticking, the largest that it can have, and every displacement lowers the energy.
 
-mod site;
+mod local;
 
 use crate::contact::Other;
 use crate::model::Model;
 use crate::relax::Workspace;
 use crate::relax::newton::Solved;
 use crate::relax::rows::Rows;
+use crate::relax::site::{Others, Site};
 use crate::relax::verdict::{Progress, residual, verdict};
 use crate::state::State;
 use crate::wall::Bounds;
-use site::Site;
+use local::Local;
 
 /// Most sweeps between two looks at the balance of the whole pack.
 const PATIENCE: u32 = 50;
@@ -109,14 +110,17 @@ impl Sweeper {
         bounds: &Bounds,
     ) -> f64 {
         self.sweeps += 1;
+        let Workspace { neighbours, reference, .. } = work;
         let scale = 1.0 / work.reference_stiffness;
         let mut largest = 0.0_f64;
         for i in 0..model.len() {
             if !state.carries[i] {
                 continue;
             }
-            let site = Site { model, state, work, bounds, grain: i, scale };
-            let local = site.local(self.near.row(i), self.held.row(i));
+            let State { position, rotation, carries, .. } = &*state;
+            let others = Others { model, neighbours, reference, carries, bounds };
+            let site = Site { others: &others, position, rotation };
+            let local = Local::of(&site, i, self.near.row(i), self.held.row(i), scale);
             largest = largest.max(local.unbalanced());
             let [u, w] = local.step(model.solver.step_cap * model.radius[i], scale);
             state.position[i] += u;

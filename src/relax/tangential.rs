@@ -63,7 +63,7 @@ pub struct Pull {
     /// Couple on grain i \[N m\].
     pub(super) couple: Vec3,
     /// Of shear and torsion \[J\].
-    potential: f64,
+    pub(super) potential: f64,
     pub(super) arm: [f64; 2],
 }
 

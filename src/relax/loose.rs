@@ -1,0 +1,263 @@
+//! Grains that their contacts hardly hold. With friction a few of them roll or slide far while the
+//! rest of the pack hardly moves, and each would take many steps of Newton's method of its own. So
+//! each step ends with bringing them to balance one by one while the others stay (18-19 of van
+//! Baars' seed, with the whole tangent), which lowers the same energy.
+
+use nalgebra::{Matrix3, Matrix6, Vector6};
+
+use crate::Vec3;
+use crate::contact::Other;
+use crate::contact::hertz;
+use crate::heap;
+use crate::relax::rows::Rows;
+use crate::relax::site::{Grip, Others, Press, Site};
+
+/// Unbalanced force at which a grain is left alone, over that of the others.
+const AIM: f64 = 1e-2;
+/// Longest step of a grain over the mean overlap.
+const LONGEST: f64 = 0.1;
+/// Sweeps over the loose grains, and steps of one grain in one of them.
+const SWEEPS: u32 = 3;
+const STEPS: u32 = 30;
+/// Least part of a step that is tried.
+const LEAST_FACTOR: f64 = 1.0 / 256.0;
+/// First shift where the energy is concave over the mean stiffness of the grain, and its growth.
+const FIRST_SHIFT: f64 = 1e-3;
+const GROWTH: f64 = 8.0;
+const MOST_SHIFTS: u32 = 12;
+/// Stiffness of what nothing holds, over the mean.
+const NEUTRAL: f64 = 1e-12;
+/// Change of an energy that is rounding, as a share of it.
+const ROUNDING: f64 = 1e-14;
+
+/// The loose grains of one search, and their contacts.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Loose {
+    is_loose: Vec<bool>,
+    grains: Vec<u32>,
+    near: Rows<(u32, f64)>,
+    held: Rows<u32>,
+    /// The neighbour list that the rows were made of; none after another grain came.
+    listed: Option<u64>,
+}
+
+/// What touches one grain: its neighbours with Hertz' M, and its contacts at the reference.
+struct Touching<'a> {
+    near: &'a [(u32, f64)],
+    held: &'a [u32],
+}
+
+/// A step of one grain, displacement and rotation times radius \[m\].
+struct Step {
+    u: Vec3,
+    w: Vec3,
+    /// Whether the energy is concave.
+    shifted: bool,
+}
+
+/// Energy of one grain with its derivatives with respect to (u, w).
+struct Local {
+    energy: f64,
+    gradient: Vector6<f64>,
+    hessian: Matrix6<f64>,
+}
+
+impl Loose {
+    /// Begins a search in a pack of `n` grains, with none loose.
+    pub(super) fn begin(&mut self, n: usize) {
+        self.is_loose.clear();
+        self.is_loose.resize(n, false);
+        self.grains.clear();
+        self.listed = None;
+    }
+
+    /// Takes grain `i` as loose.
+    pub(super) fn add(&mut self, i: usize) {
+        if !self.is_loose[i] {
+            self.is_loose[i] = true;
+            self.grains.push(i as u32);
+            self.listed = None;
+        }
+    }
+
+    /// Memory that its lists hold \[bytes\].
+    pub(super) fn heap_bytes(&self) -> usize {
+        heap::bytes(&self.is_loose)
+            + heap::bytes(&self.grains)
+            + self.near.heap_bytes()
+            + self.held.heap_bytes()
+    }
+
+    /// Moves the loose grains in `position` and `rotation` to where their forces balance; `force`
+    /// \[N\] and `overlap` \[m\] are what a grain of the pack is off by and how deep contacts are.
+    /// Says whether one of them met a concave energy.
+    pub(super) fn settle(
+        &mut self,
+        others: &Others<'_>,
+        position: &mut [Vec3],
+        rotation: &mut [Vec3],
+        force: f64,
+        overlap: f64,
+    ) -> bool {
+        if self.grains.is_empty() {
+            return false;
+        }
+        self.list(others);
+        let (aim, longest) = (AIM * force, LONGEST * overlap);
+        let mut concave = false;
+        for _ in 0..SWEEPS {
+            let mut quiet = true;
+            for &i in self.grains.iter().filter(|&&i| others.carries[i as usize]) {
+                let i = i as usize;
+                let touching = Touching { near: self.near.row(i), held: self.held.row(i) };
+                let place = |position: &[Vec3], rotation: &[Vec3]| {
+                    Local::of(&Site { others, position, rotation }, i, &touching)
+                };
+                let mut local = place(position, rotation);
+                for _ in 0..STEPS {
+                    if local.unbalanced() <= aim {
+                        break;
+                    }
+                    quiet = false;
+                    let Some(step) = local.step(longest) else { break };
+                    concave |= step.shifted;
+                    let (at, turn) = (position[i], rotation[i]);
+                    let mut factor = 1.0;
+                    let next = loop {
+                        position[i] = at + step.u * factor;
+                        rotation[i] = turn + step.w * (factor / others.model.radius[i]);
+                        let next = place(position, rotation);
+                        if next.is_below(&local) {
+                            break Some(next);
+                        }
+                        factor *= 0.5;
+                        if factor < LEAST_FACTOR {
+                            break None;
+                        }
+                    };
+                    let Some(next) = next else {
+                        (position[i], rotation[i]) = (at, turn);
+                        break;
+                    };
+                    local = next;
+                }
+            }
+            if quiet {
+                break;
+            }
+        }
+        concave
+    }
+
+    /// Lists what touches the loose grains, if that is not known.
+    fn list(&mut self, others: &Others<'_>) {
+        let Others { model, neighbours, reference, carries, .. } = *others;
+        if self.listed == Some(neighbours.rebuilds) {
+            return;
+        }
+        let is_loose = &self.is_loose;
+        self.near.fill_pairs(neighbours, model.len(), |i, j| {
+            (is_loose[i] || is_loose[j]) && carries[i] && carries[j]
+        });
+        self.held.fill(model.len(), || {
+            reference.contacts.iter().enumerate().flat_map(|(k, held)| {
+                let i = held.first as usize;
+                let second = match held.second {
+                    Other::Grain(j) if is_loose[j as usize] => Some((j as usize, k as u32)),
+                    _ => None,
+                };
+                is_loose[i].then_some((i, k as u32)).into_iter().chain(second)
+            })
+        });
+        self.listed = Some(neighbours.rebuilds);
+    }
+}
+
+impl Local {
+    fn of(site: &Site<'_>, i: usize, touching: &Touching<'_>) -> Self {
+        let mut local = Self { energy: 0.0, gradient: Vector6::zeros(), hessian: Matrix6::zeros() };
+        let Others { model, bounds, .. } = *site.others;
+        let radius = model.radius[i];
+        if let Some(weight) = model.weight.get(i) {
+            let origin = Vec3::from(bounds.center());
+            local.energy -= weight.dot(&(site.position[i] - origin));
+            local.add_gradient(&[-weight, Vec3::zeros()]);
+        }
+        site.presses(i, touching.near, |press| local.press(&press));
+        site.grips(i, touching.held, |grip| local.grip(&grip, radius));
+        local
+    }
+
+    fn add_gradient(&mut self, [u, w]: &[Vec3; 2]) {
+        let mut part = self.gradient.fixed_rows_mut::<3>(0);
+        part += u;
+        let mut part = self.gradient.fixed_rows_mut::<3>(3);
+        part += w;
+    }
+
+    fn press(&mut self, press: &Press) {
+        let Press { modulus, overlap, normal, curvature } = *press;
+        let force = hertz::force(modulus, overlap);
+        let bending = force * curvature;
+        self.energy += hertz::energy(force, overlap);
+        self.add_gradient(&[-normal * force, Vec3::zeros()]);
+        let axial = hertz::stiffness(modulus, overlap) + bending;
+        let mut block = self.hessian.fixed_view_mut::<3, 3>(0, 0);
+        block += normal * normal.transpose() * axial - Matrix3::identity() * bending;
+    }
+
+    fn grip(&mut self, grip: &Grip<'_>, radius: f64) {
+        let Grip { traction, pull, second, .. } = grip;
+        self.energy += pull.potential;
+        self.add_gradient(&grip.gradient(radius));
+        let double = |v: [f32; 3]| Vec3::from(v.map(f64::from));
+        let (n, e) = (double(traction.normal), double(traction.direction));
+        let (across, sliding) = (f64::from(traction.across), f64::from(traction.sliding));
+        let lever = pull.arm[usize::from(*second)] / radius;
+        let twist = f64::from(traction.torsion) / (radius * radius);
+        // The sliding displacement is ±T u + λ n̂ × w, and e·(n̂ × w) = (e × n̂)·w.
+        let sign = if *second { -1.0 } else { 1.0 };
+        let f = e.cross(&n);
+        let plane = Matrix3::identity() - n * n.transpose();
+        let u = plane * across + e * e.transpose() * sliding;
+        let uw = (n.cross_matrix() * across + e * f.transpose() * sliding) * (sign * lever);
+        let w = (plane * across + f * f.transpose() * sliding) * (lever * lever)
+            + n * n.transpose() * twist;
+        for (row, column, part) in [(0, 0, u), (0, 3, uw), (3, 0, uw.transpose()), (3, 3, w)] {
+            let mut block = self.hessian.fixed_view_mut::<3, 3>(row, column);
+            block += part;
+        }
+    }
+
+    /// Unbalanced force, or moment over radius \[N\].
+    fn unbalanced(&self) -> f64 {
+        self.gradient.fixed_rows::<3>(0).norm().max(self.gradient.fixed_rows::<3>(3).norm())
+    }
+
+    /// Whether this is further down than `before`; where rounding hides it, whether it is nearer
+    /// to the balance.
+    fn is_below(&self, before: &Self) -> bool {
+        let change = self.energy - before.energy;
+        let rounding = ROUNDING * before.energy.abs();
+        change < -rounding || (change <= rounding && self.unbalanced() < before.unbalanced())
+    }
+
+    /// A step downhill of at most `longest` \[m\].
+    fn step(&self, longest: f64) -> Option<Step> {
+        let mean = self.hessian.trace() / 6.0;
+        let mut shift = 0.0;
+        for _ in 0..MOST_SHIFTS {
+            // A grain may turn freely about its contacts.
+            let diagonal = shift + NEUTRAL * mean;
+            if let Some(factor) = (self.hessian + Matrix6::identity() * diagonal).cholesky() {
+                let step = -factor.solve(&self.gradient);
+                let [u, w] = [0, 3].map(|k| Vec3::from(step.fixed_rows::<3>(k)));
+                let length = u.norm().max(w.norm());
+                let cut = if length > longest { longest / length } else { 1.0 };
+                return Some(Step { u: u * cut, w: w * cut, shifted: shift > 0.0 });
+            }
+            shift = (GROWTH * shift).max(FIRST_SHIFT * mean);
+        }
+        None
+    }
+}
