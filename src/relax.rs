@@ -44,13 +44,12 @@ use crate::wall::Bounds;
 use balance::{Balance, Configuration, Sums};
 use coupled::Coupled;
 use dynamic::Inertia;
-use gauss_seidel::Sweeper;
 use jump::{Jump, Pose};
 use linear::{Inner, Linear};
 use loose::Loose;
 use newton::Solved;
 use rattlers::Rattlers;
-use site::Others;
+use site::{Adjacency, Others};
 use tangential::{Changes, Reference};
 
 /// Times that floating grains which turn out to carry load may join the balance.
@@ -166,7 +165,9 @@ pub struct Workspace {
     /// For the memory that is being written.
     memory: Memory,
     rattlers: Rattlers,
-    sweeper: Sweeper,
+    adjacency: Adjacency,
+    /// Sweeps grain by grain so far.
+    sweeps: u64,
     loose: Loose,
     inertia: Inertia,
     negligible_force: f64,
@@ -203,7 +204,8 @@ impl Workspace {
             trial_balance: Balance::default(),
             memory: Memory::default(),
             rattlers: Rattlers::default(),
-            sweeper: Sweeper::default(),
+            adjacency: Adjacency::default(),
+            sweeps: 0,
             loose: Loose::default(),
             inertia: Inertia::default(),
             negligible_force: model.negligible_force(),
@@ -214,9 +216,7 @@ impl Workspace {
     #[must_use]
     pub fn effort(&self) -> Effort {
         Effort {
-            gradients: self.balance.evaluations
-                + self.trial_balance.evaluations
-                + self.sweeper.sweeps,
+            gradients: self.balance.evaluations + self.trial_balance.evaluations + self.sweeps,
             products: self.linear.products + self.coupled.products,
         }
     }
@@ -236,7 +236,7 @@ impl Workspace {
             + self.coupled.heap_bytes()
             + self.memory.heap_bytes()
             + self.rattlers.heap_bytes()
-            + self.sweeper.heap_bytes()
+            + self.adjacency.heap_bytes()
             + self.loose.heap_bytes()
             + self.inertia.heap_bytes()
             + single
@@ -351,10 +351,10 @@ impl Workspace {
         self.neighbours.refresh(model, &self.trial, bounds);
         let force = newton::mean_square(&self.balance).sqrt();
         let overlap = self.balance.sums.mean_overlap();
-        let Self { neighbours, reference, loose, trial, trial_rotation, .. } = self;
+        let Self { neighbours, reference, loose, adjacency, trial, trial_rotation, .. } = self;
         let carries = &state.carries;
         let others = Others { model, neighbours, reference, carries, bounds };
-        self.concave |= loose.settle(&others, trial, trial_rotation, force, overlap);
+        self.concave |= loose.settle(&others, adjacency, trial, trial_rotation, force, overlap);
         self.judge(model, state, bounds);
     }
 

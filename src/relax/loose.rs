@@ -6,11 +6,9 @@
 use nalgebra::{Matrix3, Matrix6, Vector6};
 
 use crate::Vec3;
-use crate::contact::Other;
 use crate::contact::hertz;
 use crate::heap;
-use crate::relax::rows::Rows;
-use crate::relax::site::{Grip, Others, Press, Site};
+use crate::relax::site::{Adjacency, Grip, Others, Press, Site};
 
 /// Unbalanced force at which a grain is left alone, over that of the others.
 const AIM: f64 = 1e-2;
@@ -30,21 +28,11 @@ const NEUTRAL: f64 = 1e-12;
 /// Change of an energy that is rounding, as a share of it.
 const ROUNDING: f64 = 1e-14;
 
-/// The loose grains of one search, and their contacts.
+/// The loose grains of one search.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Loose {
     is_loose: Vec<bool>,
     grains: Vec<u32>,
-    near: Rows<(u32, f64)>,
-    held: Rows<u32>,
-    /// The neighbour list that the rows were made of; none after another grain came.
-    listed: Option<u64>,
-}
-
-/// What touches one grain: its neighbours with Hertz' M, and its contacts at the reference.
-struct Touching<'a> {
-    near: &'a [(u32, f64)],
-    held: &'a [u32],
 }
 
 /// A step of one grain, displacement and rotation times radius \[m\].
@@ -68,7 +56,6 @@ impl Loose {
         self.is_loose.clear();
         self.is_loose.resize(n, false);
         self.grains.clear();
-        self.listed = None;
     }
 
     /// Takes grain `i` as loose.
@@ -76,16 +63,12 @@ impl Loose {
         if !self.is_loose[i] {
             self.is_loose[i] = true;
             self.grains.push(i as u32);
-            self.listed = None;
         }
     }
 
     /// Memory that its lists hold \[bytes\].
     pub(super) fn heap_bytes(&self) -> usize {
-        heap::bytes(&self.is_loose)
-            + heap::bytes(&self.grains)
-            + self.near.heap_bytes()
-            + self.held.heap_bytes()
+        heap::bytes(&self.is_loose) + heap::bytes(&self.grains)
     }
 
     /// Moves the loose grains in `position` and `rotation` to where their forces balance; `force`
@@ -94,6 +77,7 @@ impl Loose {
     pub(super) fn settle(
         &mut self,
         others: &Others<'_>,
+        adjacency: &mut Adjacency,
         position: &mut [Vec3],
         rotation: &mut [Vec3],
         force: f64,
@@ -102,16 +86,17 @@ impl Loose {
         if self.grains.is_empty() {
             return false;
         }
-        self.list(others);
+        adjacency.refresh(others);
+        let adjacency = &*adjacency;
         let (aim, longest) = (AIM * force, LONGEST * overlap);
+        let potential = others.model.has_potential();
         let mut concave = false;
         for _ in 0..SWEEPS {
             let mut quiet = true;
             for &i in self.grains.iter().filter(|&&i| others.carries[i as usize]) {
                 let i = i as usize;
-                let touching = Touching { near: self.near.row(i), held: self.held.row(i) };
                 let place = |position: &[Vec3], rotation: &[Vec3]| {
-                    Local::of(&Site { others, position, rotation }, i, &touching)
+                    Local::of(&Site { others, adjacency, position, rotation }, i)
                 };
                 let mut local = place(position, rotation);
                 for _ in 0..STEPS {
@@ -127,7 +112,7 @@ impl Loose {
                         position[i] = at + step.u * factor;
                         rotation[i] = turn + step.w * (factor / others.model.radius[i]);
                         let next = place(position, rotation);
-                        if next.is_below(&local) {
+                        if next.is_better(&local, potential) {
                             break Some(next);
                         }
                         factor *= 0.5;
@@ -148,33 +133,10 @@ impl Loose {
         }
         concave
     }
-
-    /// Lists what touches the loose grains, if that is not known.
-    fn list(&mut self, others: &Others<'_>) {
-        let Others { model, neighbours, reference, carries, .. } = *others;
-        if self.listed == Some(neighbours.rebuilds) {
-            return;
-        }
-        let is_loose = &self.is_loose;
-        self.near.fill_pairs(neighbours, model.len(), |i, j| {
-            (is_loose[i] || is_loose[j]) && carries[i] && carries[j]
-        });
-        self.held.fill(model.len(), || {
-            reference.contacts.iter().enumerate().flat_map(|(k, held)| {
-                let i = held.first as usize;
-                let second = match held.second {
-                    Other::Grain(j) if is_loose[j as usize] => Some((j as usize, k as u32)),
-                    _ => None,
-                };
-                is_loose[i].then_some((i, k as u32)).into_iter().chain(second)
-            })
-        });
-        self.listed = Some(neighbours.rebuilds);
-    }
 }
 
 impl Local {
-    fn of(site: &Site<'_>, i: usize, touching: &Touching<'_>) -> Self {
+    fn of(site: &Site<'_>, i: usize) -> Self {
         let mut local = Self { energy: 0.0, gradient: Vector6::zeros(), hessian: Matrix6::zeros() };
         let Others { model, bounds, .. } = *site.others;
         let radius = model.radius[i];
@@ -183,8 +145,8 @@ impl Local {
             local.energy -= weight.dot(&(site.position[i] - origin));
             local.add_gradient(&[-weight, Vec3::zeros()]);
         }
-        site.presses(i, touching.near, |press| local.press(&press));
-        site.grips(i, touching.held, |grip| local.grip(&grip, radius));
+        site.presses(i, |press| local.press(&press));
+        site.grips(i, |grip| local.grip(&grip, radius));
         local
     }
 
@@ -234,12 +196,13 @@ impl Local {
         self.gradient.fixed_rows::<3>(0).norm().max(self.gradient.fixed_rows::<3>(3).norm())
     }
 
-    /// Whether this is further down than `before`; where rounding hides it, whether it is nearer
-    /// to the balance.
-    fn is_below(&self, before: &Self) -> bool {
+    /// Whether this is further down than `before`; where rounding hides it and where the energy is
+    /// no `potential` of the forces, whether it is nearer to the balance.
+    fn is_better(&self, before: &Self, potential: bool) -> bool {
         let change = self.energy - before.energy;
         let rounding = ROUNDING * before.energy.abs();
-        change < -rounding || (change <= rounding && self.unbalanced() < before.unbalanced())
+        let nearer = self.unbalanced() < before.unbalanced();
+        if potential { change < -rounding || (change <= rounding && nearer) } else { nearer }
     }
 
     /// A step downhill of at most `longest` \[m\].

@@ -5,7 +5,6 @@ use crate::model::Model;
 use crate::relax::balance::Balance;
 use crate::relax::linear::Inner;
 use crate::relax::{Status, Workspace, rattlers};
-use crate::scene::Law;
 use crate::state::State;
 use crate::wall::Bounds;
 
@@ -64,6 +63,7 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
     work.shift.clear();
     work.shift.resize(model.len(), 0.0);
     work.loose.begin(model.len());
+    work.adjacency.begin();
     let mut shifted = false;
     let mut in_a_row = 0;
     let mut settled = false;
@@ -284,12 +284,10 @@ fn search(model: &Model, state: &mut State, work: &mut Workspace, bounds: &Bound
     let before = work.balance.potential();
     let slope = work.slope(&work.balance);
     let square: f64 = square(&work.balance);
-    // Only the radial return has a potential whose gradient is the force. With friction the
-    // balance is taken in the current geometry and the potential follows it to the strain.
-    let (potential, flat) = match &model.friction {
-        None => (true, 1e-10),
-        Some(friction) => (friction.law == Law::ReturnMap, f64::INFINITY),
-    };
+    // With friction the balance is taken in the current geometry and the potential follows it to
+    // the strain.
+    let flat = if model.friction.is_some() { f64::INFINITY } else { 1e-10 };
+    let potential = model.has_potential();
     let mut factor = 1.0;
     for _ in 0..=HALVINGS {
         match work.reference.active {

@@ -1,8 +1,10 @@
 //! One grain among the others, which stay where they are: its contacts, one after the other.
 
 use crate::Vec3;
+use crate::contact::Other;
 use crate::contact::neighbours::{Neighbours, wall_gap};
 use crate::model::Model;
+use crate::relax::rows::Rows;
 use crate::relax::tangential::{Held, Pose, Pull, Reference, Traction};
 use crate::wall::{self, Bounds};
 
@@ -16,10 +18,57 @@ pub(super) struct Others<'a> {
     pub(super) bounds: &'a Bounds,
 }
 
+/// What each grain can touch.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Adjacency {
+    /// Neighbours, with Hertz' M.
+    near: Rows<(u32, f64)>,
+    /// Contacts at the reference.
+    held: Rows<u32>,
+    /// The neighbour list that `near` was made of.
+    listed: Option<u64>,
+    /// Whether `held` is that of the reference.
+    knows_held: bool,
+}
+
+impl Adjacency {
+    /// Begins another search: the reference may be another one.
+    pub(super) fn begin(&mut self) {
+        self.knows_held = false;
+    }
+
+    /// Lists what is not listed yet.
+    pub(super) fn refresh(&mut self, others: &Others<'_>) {
+        let Others { model, neighbours, reference, .. } = *others;
+        if self.listed != Some(neighbours.rebuilds) {
+            self.near.fill_pairs(neighbours, model.len(), |_, _| true);
+            self.listed = Some(neighbours.rebuilds);
+        }
+        if !self.knows_held {
+            self.held.fill(model.len(), || {
+                reference.contacts.iter().enumerate().flat_map(|(k, held)| {
+                    let second = match held.second {
+                        Other::Grain(j) => Some((j as usize, k as u32)),
+                        Other::Wall(_) => None,
+                    };
+                    std::iter::once((held.first as usize, k as u32)).chain(second)
+                })
+            });
+            self.knows_held = true;
+        }
+    }
+
+    /// Memory that its lists hold \[bytes\].
+    pub(super) fn heap_bytes(&self) -> usize {
+        self.near.heap_bytes() + self.held.heap_bytes()
+    }
+}
+
 /// The grains where they are.
 #[derive(Clone, Copy)]
 pub(super) struct Site<'a> {
     pub(super) others: &'a Others<'a>,
+    pub(super) adjacency: &'a Adjacency,
     pub(super) position: &'a [Vec3],
     pub(super) rotation: &'a [Vec3],
 }
@@ -55,11 +104,12 @@ impl Grip<'_> {
 }
 
 impl<'a> Site<'a> {
-    /// Hands over what touches grain `i` where `near` are its neighbours, with Hertz' M.
-    pub(super) fn presses(&self, i: usize, near: &[(u32, f64)], mut take: impl FnMut(Press)) {
-        let Self { others: &Others { model, neighbours, bounds, .. }, position, .. } = *self;
+    /// Hands over what presses on grain `i`.
+    pub(super) fn presses(&self, i: usize, mut take: impl FnMut(Press)) {
+        let Self { others, adjacency, position, .. } = *self;
+        let Others { model, neighbours, carries, bounds, .. } = *others;
         let (xi, ri) = (position[i], model.radius[i]);
-        for &(j, modulus) in near {
+        for &(j, modulus) in adjacency.near.row(i).iter().filter(|(j, _)| carries[*j as usize]) {
             let branch = xi - position[j as usize];
             let reach = ri + model.radius[j as usize];
             let distance2 = branch.norm_squared();
@@ -82,13 +132,13 @@ impl<'a> Site<'a> {
         }
     }
 
-    /// Hands over the shear of grain `i` in its contacts `held` at the reference.
-    pub(super) fn grips(&self, i: usize, held: &[u32], mut take: impl FnMut(Grip<'a>)) {
-        let Self { others, position, rotation } = *self;
+    /// Hands over what shears grain `i`.
+    pub(super) fn grips(&self, i: usize, mut take: impl FnMut(Grip<'a>)) {
+        let Self { others, adjacency, position, rotation } = *self;
         let Others { model, reference, carries, bounds, .. } = *others;
         let Some(friction) = &model.friction else { return };
         let pose = Pose { model, position, rotation, bounds };
-        for &k in held {
+        for &k in adjacency.held.row(i) {
             let held = &reference.contacts[k as usize];
             let (traction, pull) = reference.answer(held, friction.law, &pose, carries);
             if traction.live {

@@ -22,23 +22,16 @@ pub(super) struct Local {
 }
 
 impl Local {
-    /// Sums over the contacts of grain `i` with its neighbours `near`, the walls, and those `held`
-    /// at the reference; `scale` is one over the reference stiffness \[m/N\].
-    pub(super) fn of(
-        site: &Site<'_>,
-        i: usize,
-        near: &[(u32, f64)],
-        held: &[u32],
-        scale: f64,
-    ) -> Self {
+    /// Sums over the contacts of grain `i`; `scale` is one over the reference stiffness \[m/N\].
+    pub(super) fn of(site: &Site<'_>, i: usize, scale: f64) -> Self {
         let mut local = Self { turns: site.others.reference.active, ..Self::default() };
         let model = site.others.model;
         if let Some(weight) = model.weight.get(i) {
             local.gradient -= weight;
         }
         let radius = model.radius[i];
-        site.presses(i, near, |press| local.push(&press, scale));
-        site.grips(i, held, |grip| {
+        site.presses(i, |press| local.push(&press, scale));
+        site.grips(i, |grip| {
             let [force, moment] = grip.gradient(radius);
             local.gradient += force;
             local.moment += moment;
