@@ -170,6 +170,8 @@ pub struct Workspace {
     sweeps: u64,
     loose: Loose,
     inertia: Inertia,
+    /// Whether the linear system at hand is that of the last step of a search that found a minimum.
+    near_minimum: bool,
     negligible_force: f64,
 }
 
@@ -206,6 +208,7 @@ impl Workspace {
             rattlers: Rattlers::default(),
             adjacency: Adjacency::default(),
             sweeps: 0,
+            near_minimum: false,
             loose: Loose::default(),
             inertia: Inertia::default(),
             negligible_force: model.negligible_force(),
@@ -288,6 +291,7 @@ impl Workspace {
 
     /// Takes the linearisation of the balance.
     pub fn assemble(&mut self, model: &Model) {
+        self.near_minimum = false;
         match self.reference.active {
             false => self.linear.assemble(&self.balance, &self.neighbours),
             true => self.coupled.assemble(
@@ -313,6 +317,11 @@ impl Workspace {
     /// scales it.
     pub fn solve(&mut self, largest: f64, forcing: f64, most: u32) -> Inner {
         self.factorise();
+        self.solve_as_it_is(largest, forcing, most)
+    }
+
+    /// As [`solve`](Self::solve), with the last linearisation and shifts.
+    fn solve_as_it_is(&mut self, largest: f64, forcing: f64, most: u32) -> Inner {
         let balance = std::mem::take(&mut self.balance);
         let inner = self.solve_again(&balance, largest, forcing, most);
         self.balance = balance;

@@ -88,6 +88,7 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
         if residual <= tolerance {
             // A state reached by a shifted step may still be a saddle: look once more.
             if !shifted || extra == EXTRA_STEPS {
+                work.near_minimum = iterations > 0 && !shifted;
                 return end(Status::Converged);
             }
             extra += 1;
