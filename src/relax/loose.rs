@@ -224,3 +224,126 @@ impl Local {
         None
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test that fails may panic")]
+mod tests {
+    use super::*;
+    use crate::pack::generate::generate;
+    use crate::relax::Workspace;
+    use crate::relax::advance::move_walls;
+    use crate::scene::{Coulomb, Friction, Generate, Law, Material, Radius, Scene, Update};
+    use crate::state::State;
+
+    /// A pack at 1 MPa whose grains went with the walls since their contacts were taken as the
+    /// reference, by so much that some of them slide, and one that was pushed aside.
+    fn strained(aside: usize) -> (crate::model::Model, State, Workspace) {
+        let recipe = Generate {
+            grains: 40,
+            radius: Radius::Uniform([0.07e-3, 0.13e-3]),
+            material: "glass".into(),
+            seed: 3,
+            confining_stress: 1e6,
+            aspect: [1.0; 3],
+            expand_floaters: 0,
+        };
+        let glass = Material { young: 70e9, poisson: 0.2, density: 2420.0, spread: 0.0 };
+        let text = "pack: {file: none.csv, material: glass}";
+        let mut scene: Scene = crate::scene::parse(text, "scene.yaml".as_ref()).unwrap();
+        let mut pack = generate(&recipe, &glass, &scene.walls, 0.0, scene.solver).unwrap();
+        pack.grains.iter_mut().for_each(|grain| grain.friction = 0.3);
+        let coulomb = Coulomb { coefficient: 0.3, law: Law::ReturnMap, update: Update::Frozen };
+        scene.contact.friction = Friction::Coulomb(coulomb);
+        scene.walls.friction = Some(0.2);
+        let model = crate::model::Model::new(&pack, &scene);
+        let mut state = State::new(&model);
+        let mut work = Workspace::new(&model);
+        work.begin(&model, &state);
+        let side = model.start.sides()[2];
+        move_walls(&model, &mut state, &[0.0, 0.0, 0.0, 0.0, 0.0, 5e-4 * side], 1.0);
+        state.position[aside] += Vec3::new(2e-8, -3e-8, 1e-8);
+        state.rotation[aside] += Vec3::new(1e-4, 2e-4, -1e-4);
+        let bounds = state.bounds(&model);
+        work.evaluate(&model, &state, &bounds);
+        (model, state, work)
+    }
+
+    fn others<'a>(
+        model: &'a crate::model::Model,
+        state: &'a State,
+        work: &'a Workspace,
+        bounds: &'a crate::wall::Bounds,
+    ) -> Others<'a> {
+        let Workspace { neighbours, reference, .. } = work;
+        Others { model, neighbours, reference, carries: &state.carries, bounds }
+    }
+
+    #[test]
+    fn gradient_and_hessian_of_one_grain_are_those_of_its_energy() {
+        let (model, state, work) = strained(7);
+        let bounds = state.bounds(&model);
+        let others = others(&model, &state, &work, &bounds);
+        let mut adjacency = Adjacency::default();
+        adjacency.refresh(&others);
+        let mut slides = 0;
+        for i in (0..model.len()).filter(|&i| state.carries[i]) {
+            let at = |k: usize, by: f64| {
+                let (mut position, mut rotation) = (state.position.clone(), state.rotation.clone());
+                match k {
+                    0..3 => position[i][k] += by,
+                    _ => rotation[i][k - 3] += by / model.radius[i],
+                }
+                let (position, rotation) = (&position[..], &rotation[..]);
+                let site = Site { others: &others, adjacency: &adjacency, position, rotation };
+                site.grips(i, |grip| slides += u32::from(grip.traction.slides));
+                Local::of(&site, i)
+            };
+            let mut at = at;
+            let here = at(0, 0.0);
+            let (force, stiffness) = (here.gradient.amax(), here.hessian.amax());
+            let by = 1e-12;
+            for k in 0..6 {
+                let (up, down) = (at(k, by), at(k, -by));
+                let slope = (up.energy - down.energy) / (2.0 * by);
+                // The potential of the shear follows its forces up to the strain.
+                assert!((slope - here.gradient[k]).abs() < 2e-3 * force, "grain {i}, {k}");
+                let column = (up.gradient - down.gradient) / (2.0 * by);
+                // Terms of the order Q/r against the stiffnesses are left out.
+                let off = (column - here.hessian.column(k)).amax();
+                assert!(off < 1e-3 * stiffness, "grain {i}, {k}: {off} of {stiffness}");
+            }
+        }
+        assert!(slides > 0);
+    }
+
+    #[test]
+    fn a_grain_pushed_aside_finds_its_balance_and_leaves_the_others_alone() {
+        let aside = 7;
+        let (model, mut state, mut work) = strained(aside);
+        let bounds = state.bounds(&model);
+        let force = crate::relax::newton::mean_square(&work.balance).sqrt();
+        let overlap = work.balance.sums.mean_overlap();
+        let off = |work: &Workspace| {
+            let (force, moment) = (work.balance.gradient[aside], work.balance.moment[aside]);
+            force.norm().max(moment.norm())
+        };
+        assert!(state.carries[aside] && off(&work) > 0.1 * force);
+        let before = (state.clone(), work.balance.potential());
+        let mut loose = Loose::default();
+        loose.begin(model.len());
+        loose.add(aside);
+        let (mut position, mut rotation) = (state.position.clone(), state.rotation.clone());
+        let mut adjacency = Adjacency::default();
+        let others = others(&model, &state, &work, &bounds);
+        loose.settle(&others, &mut adjacency, &mut position, &mut rotation, force, overlap);
+        (state.position, state.rotation) = (position, rotation);
+        // The balance of the whole pack, taken by other code, says so too.
+        work.evaluate(&model, &state, &bounds);
+        assert!(off(&work) <= AIM * force * 1.001, "{} of {force}", off(&work));
+        assert!(work.balance.potential() < before.1);
+        for i in (0..model.len()).filter(|&i| i != aside) {
+            assert_eq!(state.position[i], before.0.position[i]);
+            assert_eq!(state.rotation[i], before.0.rotation[i]);
+        }
+    }
+}
