@@ -108,8 +108,9 @@ impl Coupled {
         for_each(&mut self.parts, |_, part| part.factorise(shift));
     }
 
-    /// Solves (H + Σ) s = -g until the preconditioned residual fell by `forcing`; `moment` is the
-    /// gradient with respect to w. `unit` is the force that right-hand side and step are scaled by.
+    /// Solves (H + Σ) s = -g until the residual fell by `forcing`, preconditioned and as it is;
+    /// `moment` is the gradient with respect to w. `unit` is the force that right-hand side and step
+    /// are scaled by.
     pub fn solve(
         &mut self,
         gradient: &[Vec3],
@@ -134,16 +135,21 @@ impl Coupled {
             Order::Descend { alpha } => part.descend(alpha),
         };
         together(parts, Order::Start, work, |crew| {
-            let sum =
-                |separator: &Part| crew.parts().map(|part| part.dot).sum::<f64>() + separator.dot;
+            let sum = |of: fn(&Part) -> f64, separator: &Part| {
+                crew.parts().map(|part| of(&part)).sum::<f64>() + of(separator)
+            };
+            let dot = |separator: &Part| sum(|part| part.dot, separator);
+            let square = |separator: &Part| sum(|part| part.square, separator);
             write(&separator).start(gradient, moment, unit);
             write(&separator).descend(0.0);
             crew.call(Order::Start);
-            let mut rho = sum(&read(&separator));
+            let mut rho = dot(&read(&separator));
             let target = rho * forcing * forcing;
+            // What hardly holds a grain makes up most of the preconditioned residual.
+            let plain = square(&read(&separator)) * forcing * forcing;
             let mut beta = 0.0;
             for _ in 0..most {
-                if rho <= target || rho <= 0.0 {
+                if (rho <= target && square(&read(&separator)) <= plain) || rho <= 0.0 {
                     break;
                 }
                 *products += 1;
@@ -154,7 +160,7 @@ impl Coupled {
                     separator.multiply();
                     crew.parts().for_each(|part| separator.gather(&part));
                     separator.measure();
-                    sum(&separator)
+                    dot(&separator)
                 };
                 if curvature <= 0.0 || curvature.is_nan() {
                     return Inner::NegativeCurvature;
@@ -162,7 +168,7 @@ impl Coupled {
                 let alpha = (rho / curvature) as f32;
                 write(&separator).descend(alpha);
                 crew.call(Order::Descend { alpha });
-                let next = sum(&read(&separator));
+                let next = dot(&read(&separator));
                 beta = (next / rho) as f32;
                 rho = next;
             }
