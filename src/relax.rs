@@ -12,6 +12,7 @@ pub mod advance;
 pub mod balance;
 mod block;
 mod conjugate_gradient;
+pub mod cool;
 pub mod coupled;
 mod downhill;
 mod dynamic;
