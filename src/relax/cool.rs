@@ -23,8 +23,6 @@ use crate::state::State;
 use crate::wall::Bounds;
 use part::{Part, Point, Step, Sums};
 
-/// Share of its velocity that a grain loses in a step, and a side.
-const DRAG: f64 = 0.005;
 /// Mass of a mean grain: 4 times the stiffness of a contact with an overlap of 1e-2.
 const MASS: f64 = 0.6;
 /// Time step where the mean overlap is 1e-2; it goes with the period of a contact.
@@ -49,6 +47,8 @@ pub struct Goal {
     pub residual: f64,
     /// Stress that the box is to have \[Pa\]; each normal stress ends within `residual` of it.
     pub pressure: f64,
+    /// Share of its velocity that a grain loses in a step, and a side.
+    pub drag: f64,
     /// Most steps.
     pub steps: u32,
 }
@@ -103,7 +103,7 @@ impl Motion {
         let count = model.len() as f64;
         let compliance = model.compliance.iter().sum::<f64>() / count;
         let modulus = hertz::modulus(0.5 * length, 2.0 * compliance);
-        let units = Units { length, modulus: modulus };
+        let units = Units { length, modulus };
         let bounds = state.bounds(model);
         let center = Vec3::from(bounds.center());
         let position = (state.position.iter())
@@ -118,9 +118,8 @@ impl Motion {
             let (radius, stiffness) = (radius / length, compliance / own);
             MASS * stiffness * radius.sqrt() * 0.5 * (1.0 + radius * radius)
         };
-        let lightness: Vec<f64> = (model.radius.iter().zip(&model.compliance))
-            .map(|grain| 1.0 / mass(grain))
-            .collect();
+        let lightness: Vec<f64> =
+            (model.radius.iter().zip(&model.compliance)).map(|grain| 1.0 / mass(grain)).collect();
         let parts = (lightness.chunks(stride).enumerate())
             .map(|(k, some)| Part::new(k * stride, some.to_vec()))
             .collect();
@@ -151,7 +150,7 @@ impl Motion {
                 std::array::from_fn(|axis| sums.virial[axis] - self.stress * volume);
             let overlap = sums.mean_overlap().max(least);
             let time = TIME_STEP * (OVERLAP / overlap).powf(0.25);
-            self.go(time, &excess, MASS * count);
+            self.go(time, 1.0 - goal.drag, &excess, MASS * count);
             let square: f64 = self.parts.iter().map(|part| part.square).sum();
             if !square.is_finite() {
                 return Status::NonFinite;
@@ -179,17 +178,17 @@ impl Motion {
         sums
     }
 
-    /// Moves grains and box for `time`.
-    fn go(&mut self, time: f64, excess: &Point, mass: f64) {
+    /// Moves grains and box for `time`, with a share `keep` of their velocities.
+    fn go(&mut self, time: f64, keep: f64, excess: &Point, mass: f64) {
         let fastest = LONGEST.1 / time;
         let mut stretch = [1.0; 4];
         for axis in 0..3 {
-            let rate = self.rate[axis] * (1.0 - DRAG) + excess[axis] * (time / mass);
+            let rate = self.rate[axis] * keep + excess[axis] * (time / mass);
             self.rate[axis] = rate.clamp(-fastest, fastest);
             stretch[axis] += self.rate[axis] * time;
             self.half[axis] *= stretch[axis];
         }
-        let step = Step { time, keep: 1.0 - DRAG, limit: LONGEST.0 / time, stretch };
+        let step = Step { time, keep, limit: LONGEST.0 / time, stretch };
         match self.parts.as_mut_slice() {
             [only] => only.go(&mut self.position, &step),
             several => several
