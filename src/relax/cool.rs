@@ -66,7 +66,8 @@ struct Units {
 /// the box. Returns `Converged`, `MaxIterations` or `NonFinite`.
 pub fn cool(model: &Model, state: &mut State, work: &mut Workspace, goal: Goal) -> Status {
     state.carries.fill(true);
-    let mut motion = Motion::new(model, state, &goal);
+    let stride = model.len().div_ceil(model::parts(model.len())).max(1);
+    let mut motion = Motion::new(model, state, goal.pressure, stride);
     let status = motion.run(model, &mut work.neighbours, &goal);
     motion.leave(model, state);
     status
@@ -98,7 +99,8 @@ struct List {
 }
 
 impl Motion {
-    fn new(model: &Model, state: &State, goal: &Goal) -> Self {
+    /// The pack at rest, in parts of `stride` grains.
+    fn new(model: &Model, state: &State, pressure: f64, stride: usize) -> Self {
         let length = model.mean_radius;
         let count = model.len() as f64;
         let compliance = model.compliance.iter().sum::<f64>() / count;
@@ -112,7 +114,6 @@ impl Motion {
                 [x, y, z, 0.0]
             })
             .collect();
-        let stride = model.len().div_ceil(model::parts(model.len())).max(1);
         let mass = |(radius, own): (&f64, &f64)| {
             // More contacts on a larger grain, and the stiffness of each.
             let (radius, stiffness) = (radius / length, compliance / own);
@@ -124,7 +125,7 @@ impl Motion {
             .map(|(k, some)| Part::new(k * stride, some.to_vec()))
             .collect();
         let [x, y, z] = bounds.sides().map(|side| 0.5 * side / length);
-        let stress = goal.pressure / modulus * length.sqrt();
+        let stress = pressure / modulus * length.sqrt();
         let half = [x, y, z, 0.0];
         let list = List {
             made_at: Vec::new(),
@@ -255,6 +256,84 @@ impl Motion {
         for axis in 0..3 {
             state.displacement[2 * axis] = bounds.min[axis] - model.start.min[axis];
             state.displacement[2 * axis + 1] = model.start.max[axis] - bounds.max[axis];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pack::{Grain, Pack};
+    use crate::scene::{Solver, Walls};
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64;
+
+    /// Random points in a box that is much too small for them.
+    fn crowd() -> Model {
+        let mut rng = Pcg64::seed_from_u64(3);
+        let mut draw = |low: f64, high: f64| low + (high - low) * rng.random::<f64>();
+        let bounds = Bounds { min: [1e-4, 0.0, 0.0], max: [9e-4, 9e-4, 1e-3] };
+        let grain = |_| Grain {
+            position: std::array::from_fn(|axis| draw(bounds.min[axis], bounds.max[axis])),
+            radius: draw(0.5e-4, 1.5e-4),
+            young: draw(30e9, 90e9),
+            poisson: 0.2,
+            density: 2420.0,
+            friction: 0.0,
+        };
+        let grains = (0..150).map(grain).collect();
+        let pack = Pack { bounds, grains, history: None };
+        Model::with(&pack, &Walls::default(), [0.0; 3], Solver::default(), None)
+    }
+
+    #[test]
+    fn forces_and_stresses_are_those_of_the_balance_in_one_part_or_several() {
+        let model = crowd();
+        let state = State::new(&model);
+        let bounds = state.bounds(&model);
+        let mut work = Workspace::new(&model);
+        work.evaluate(&model, &state, &bounds);
+        let wanted = &work.balance;
+        for stride in [150, 60] {
+            let mut motion = Motion::new(&model, &state, 1e6, stride);
+            motion.refresh(&model, &mut Neighbours::default());
+            let sums = motion.press();
+            let Units { length, modulus } = motion.units;
+            let force = modulus * length.powf(1.5);
+            let unlike = |got: f64, wanted: f64| (got / wanted - 1.0).abs();
+            assert!(unlike(sums.mean_force() * force, wanted.sums.mean_force()) < 1e-6);
+            assert!(unlike(sums.mean_overlap() * length, wanted.sums.mean_overlap()) < 1e-6);
+            for axis in 0..3 {
+                let virial = sums.virial[axis] * force * length;
+                assert!(unlike(virial, wanted.sums.virial[axis]) < 1e-6, "{stride}: {virial}");
+            }
+            let gradients = motion.parts.iter().flat_map(Part::gradient);
+            let far = wanted.largest() * 1e-6;
+            for (got, wanted) in gradients.zip(&wanted.gradient) {
+                let got = Vec3::new(got[0], got[1], got[2]) * force;
+                assert!((got - wanted).norm() < far, "{stride}: {got} {wanted}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_pack_cools_to_the_stress_asked_for_whatever_its_parts() {
+        let model = crowd();
+        let goal = Goal { residual: 1e-2, pressure: 5e6, drag: 5e-3, steps: 50_000 };
+        for stride in [150, 60] {
+            let mut state = State::new(&model);
+            let mut work = Workspace::new(&model);
+            let mut motion = Motion::new(&model, &state, goal.pressure, stride);
+            let status = motion.run(&model, &mut work.neighbours, &goal);
+            assert_eq!(status, Status::Converged);
+            motion.leave(&model, &mut state);
+            let bounds = state.bounds(&model);
+            work.evaluate(&model, &state, &bounds);
+            for virial in work.balance.sums.virial {
+                let stress = virial / bounds.volume();
+                // The state is a step further than the one that was looked at.
+                assert!((stress / goal.pressure - 1.0).abs() < 1.5e-2, "{stride}: {stress}");
+            }
         }
     }
 }

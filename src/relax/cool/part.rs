@@ -127,6 +127,12 @@ impl Part {
         Self { first, gradient: still.clone(), velocity: still, lightness, ..Self::default() }
     }
 
+    /// -F of each grain.
+    #[cfg(test)]
+    pub(super) fn gradient(&self) -> &[Point] {
+        &self.gradient
+    }
+
     /// Takes the pairs of a new list.
     pub(super) fn list(&mut self, model: &Model, near: &Neighbours, units: &Units) {
         let range = self.first..self.first + self.lightness.len();
@@ -139,8 +145,7 @@ impl Part {
             self.inner.start.push(self.inner.pairs.len() as u32);
             for k in near.row(i) {
                 let j = near.second[k] as usize;
-                let inside = range.contains(&j);
-                if !inside {
+                if !range.contains(&j) {
                     continue;
                 }
                 self.inner.pairs.push(Pair {
@@ -168,15 +173,20 @@ impl Part {
     fn list_outer(&mut self, model: &Model, near: &Neighbours, units: &Units) {
         let range = self.first..self.first + self.lightness.len();
         let mut crossing = Vec::new();
-        for i in 0..model.len() {
-            for k in near.row(i) {
+        for i in 0..range.end {
+            let row = near.row(i);
+            // A row ascends from behind its own grain.
+            let beyond = if i < range.start { range.start } else { range.end };
+            if near.second[row.clone()].last().is_none_or(|&last| (last as usize) < beyond) {
+                continue;
+            }
+            for k in row {
                 let j = near.second[k] as usize;
-                let own = match (range.contains(&i), range.contains(&j)) {
-                    (true, false) => (i, j),
-                    (false, true) => (j, i),
-                    _ => continue,
-                };
-                crossing.push((own.0, own.1, k));
+                match (range.contains(&i), range.contains(&j)) {
+                    (true, false) => crossing.push((i, j, k)),
+                    (false, true) => crossing.push((j, i, k)),
+                    _ => {}
+                }
             }
         }
         crossing.sort_unstable();
