@@ -186,7 +186,7 @@ fn exponents(small: &Run, large: &Run) -> String {
         })
         .collect();
     format!(
-        "{} threads, CPU time from {} to {} grains goes with their number to the power of {:.2} for \
+        "Threads: {}. From {} to {} grains CPU time goes with their number to the power of {:.2} for \
          making the pack, {}.",
         small.threads,
         small.grains,

@@ -209,11 +209,11 @@ fn a_thousand_cyclic_increments_neither_gain_nor_lose_energy_but_by_slip() {
     // With the stiffness of the increment's start, loading is softer than unloading: the shear
     // creeps. The mean stiffness of `current` closes the path.
     for (mu, update, drift) in [
-        (0.3, Update::Frozen, 3e-4),
+        (0.3, Update::Frozen, 2e-4),
         (0.3, Update::Current, 2e-6),
         (f64::INFINITY, Update::Current, 2e-8),
     ] {
-        let pack = rough(100, 1e7, 3, mu);
+        let pack = rough(100, 1e7, 23, mu);
         let scene = frictional(1e-8, mu, Law::ReturnMap, update);
         let states = states(&scene, &pack, strains());
         let swing = states[10].stored_energy - states[0].stored_energy;
@@ -226,7 +226,7 @@ fn a_thousand_cyclic_increments_neither_gain_nor_lose_energy_but_by_slip() {
         let slip = |k: usize| ends[k].slip_energy - ends[k - 1].slip_energy;
         let work = last.wall_work - first.wall_work;
         if mu.is_finite() {
-            close("slip of a cycle", slip(49), slip(2), 0.05);
+            close("slip of a cycle", slip(49), slip(2), 0.02);
             close("work", work, last.slip_energy - first.slip_energy, 0.1);
         } else {
             assert_eq!(last.slip_energy, 0.0);

@@ -364,8 +364,8 @@ fn empty<const BOTH: bool>(batch: &mut Batch, gradient: &mut [Point], sums: &mut
             }
         }
     }
-    for axis in 0..3 {
-        sums.virial[axis] += share * virial[axis];
+    for (sum, more) in sums.virial.iter_mut().zip(&virial) {
+        *sum += share * more;
     }
     batch.count = 0;
 }
