@@ -1,5 +1,5 @@
-//! Making a pack from a seed: random points, a quench to a jammed state, and compaction to an
-//! isotropic stress (T 2.7.2, HZ-14, HZ-15).
+//! Making a pack from a seed: random points, a jammed state, and compaction to an isotropic stress
+//! (T 2.7.2, HZ-14, HZ-15).
 //!
 //! The thesis starts from a settled sediment of another code; here the loose state is random
 //! points in a box a little too small for them. They are pushed apart, and then grains and box
@@ -7,9 +7,12 @@
 //! ([`cool`](crate::relax::cool)). Newton's method ends in the equilibrium.
 //!
 //! A low stress is come to from above: near jamming nearly every grain is about to rearrange, and
-//! a pack that comes to rest there takes long. It cools at a stress where its overlaps are a
-//! thousandth of a diameter or more and is relieved in stages. Such a pack is a little denser than one that was
-//! never compressed.
+//! a pack that comes to rest there takes long. It cools where its overlaps are two thousandths of
+//! a diameter, and is relieved in stages of a factor of eight at most.
+//!
+//! The slower a pack cools the denser it is. With 2740 grains at 10 MPa its solid fraction is
+//! about 0.002 above that of a pack that descends as fast as it can (0.624 against 0.622), its
+//! coordination the same, and 3.2 % of its grains float instead of 2.7 %.
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -31,23 +34,21 @@ const JAMMED_FRACTION: f64 = 0.64;
 const WALL_LAYER: f64 = 0.095;
 /// Overlap strain beyond that of the stress asked for with which the quench starts.
 const QUENCH_STRAIN: f64 = 0.006;
-/// Mean contact force over stress and squared mean radius in a jammed pack.
-const FORCE_PER_STRESS: f64 = 3.4;
 /// Least overlap strain at which a pack cools, and what the stress is divided by in each stage of
 /// relief, at most.
 const COOLING_STRAIN: f64 = 2e-3;
 const RELIEF: f64 = 8.0;
-/// Drag on the scattered grains: that of one grain, what each further one takes of it in the
-/// exponent, and its bounds. The more grains, the slower they have to cool, or some place of the
-/// pack is still rearranging when the rest has come to rest.
+/// Drag on the scattered grains: a factor and the power of their number that it goes with, and its
+/// bounds. The more grains, the slower they have to cool, or some place of the pack is still
+/// rearranging when the rest has come to rest.
 const DRAG: (f64, f64) = (0.015, -0.2);
 const DRAGS: (f64, f64) = (1e-3, 5e-3);
 /// Drag on a pack that is relieved.
 const RELIEF_DRAG: f64 = 0.01;
 /// Residual of a stage of relief.
 const RELIEVED: f64 = 0.03;
-/// Residual at which Newton's method is tried first, where the overlap strain is the one or more;
-/// it goes with the root of the strain.
+/// Residual at which Newton's method is tried first, and the overlap strain from which on it is
+/// that; below, it goes with the root of the strain.
 const COLD: (f64, f64) = (3e-3, 2e-3);
 /// Times that it is tried, with a third of the residual.
 const TRIALS: u32 = 5;
@@ -161,7 +162,7 @@ fn scatter(spec: &Generate, material: &Material, mut grains: Vec<Grain>, rng: &m
 /// \[m\] and a mean compliance \[1/Pa\].
 fn overlap_strain(stress: f64, radius: f64, compliance: f64) -> f64 {
     let modulus = hertz::modulus(0.5 * radius, 2.0 * compliance);
-    let force = FORCE_PER_STRESS * stress * radius * radius;
+    let force = cool::FORCE_PER_STRESS * stress * radius * radius;
     (force / modulus).powf(2.0 / 3.0) / (2.0 * radius)
 }
 
@@ -193,6 +194,7 @@ impl Press {
         fire::descend(&self.model, &mut self.state, &mut self.work, goal);
     }
 
+    /// Cools with all three normal stresses at `pressure` \[Pa\] until the residual is reached.
     fn go_cold(&mut self, pressure: f64, residual: f64, drag: f64) -> Status {
         let goal = cool::Goal { residual, pressure, drag, steps: MOST_STEPS };
         cool::cool(&self.model, &mut self.state, &mut self.work, goal)

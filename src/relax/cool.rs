@@ -31,7 +31,7 @@ const OVERLAP: f64 = 1e-2;
 /// Longest step of a grain over the mean radius, and of a side over itself.
 const LONGEST: (f64, f64) = (0.1, 1e-3);
 /// Mean contact force over stress and squared mean radius in a jammed pack.
-const FORCE_PER_STRESS: f64 = 3.4;
+pub const FORCE_PER_STRESS: f64 = 3.4;
 /// Skin of the list over the mean radius, and its bounds; it grows when a list served fewer steps
 /// than the one and shrinks when it served more than the other.
 const SKIN: f64 = 0.2;
@@ -317,22 +317,31 @@ mod tests {
     }
 
     #[test]
-    fn a_pack_cools_to_the_stress_asked_for_whatever_its_parts() {
+    fn a_pack_cools_to_the_stress_asked_for_and_the_number_of_threads_does_not_enter() {
         let model = crowd();
         let goal = Goal { residual: 1e-2, pressure: 5e6, drag: 5e-3, steps: 50_000 };
-        for stride in [150, 60] {
-            let mut state = State::new(&model);
-            let mut work = Workspace::new(&model);
-            let mut motion = Motion::new(&model, &state, goal.pressure, stride);
-            let status = motion.run(&model, &mut work.neighbours, &goal);
-            assert_eq!(status, Status::Converged);
-            motion.leave(&model, &mut state);
+        let cooled = |stride: usize, threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            pool.expect("threads").install(|| {
+                let mut state = State::new(&model);
+                let mut motion = Motion::new(&model, &state, goal.pressure, stride);
+                let status = motion.run(&model, &mut Neighbours::default(), &goal);
+                assert_eq!(status, Status::Converged);
+                motion.leave(&model, &mut state);
+                state
+            })
+        };
+        let one = cooled(60, 1);
+        assert!([2, 3].iter().all(|&threads| cooled(60, threads) == one));
+        let whole = cooled(150, 1);
+        for state in [one, whole] {
             let bounds = state.bounds(&model);
+            let mut work = Workspace::new(&model);
             work.evaluate(&model, &state, &bounds);
             for virial in work.balance.sums.virial {
                 let stress = virial / bounds.volume();
                 // The state is a step further than the one that was looked at.
-                assert!((stress / goal.pressure - 1.0).abs() < 1.5e-2, "{stride}: {stress}");
+                assert!((stress / goal.pressure - 1.0).abs() < 1.5e-2, "{stress}");
             }
         }
     }
