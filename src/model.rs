@@ -169,6 +169,13 @@ impl Model {
         !self.weight.is_empty()
     }
 
+    /// Whether the contact forces are the gradient of a potential. With friction only those of the
+    /// radial return are.
+    #[must_use]
+    pub fn has_potential(&self) -> bool {
+        self.friction.as_ref().is_none_or(|friction| friction.law == Law::ReturnMap)
+    }
+
     /// Contacts that a grain needs to carry load without friction: four, or three under its weight.
     #[must_use]
     pub fn contacts_to_carry(&self) -> u32 {

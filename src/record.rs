@@ -2,7 +2,7 @@
 //!
 //! A recording holds every command with its report and every measure, each under the topic of
 //! [`topics`](crate::msg::topics), and as attachments what made it: `scene.yaml`, `pack.csv` and
-//! `pack.json`, with version, features and threads in a metadata record. ROS 2 plays it.
+//! `pack.json`, with version, features, kernels and threads in a metadata record. ROS 2 plays it.
 //!
 //! **Nothing is lost quietly.** Answers go to the recorder's thread through a bounded queue; when
 //! the disk is slower than the twin, the twin waits. When writing fails, the run goes on without

@@ -22,9 +22,11 @@ mod gauss_seidel;
 pub mod jump;
 pub mod lanes;
 pub mod linear;
+mod loose;
 pub mod newton;
 pub mod rattlers;
 mod rows;
+mod site;
 mod split;
 mod sticking;
 mod sym3;
@@ -43,11 +45,12 @@ use crate::wall::Bounds;
 use balance::{Balance, Configuration, Sums};
 use coupled::Coupled;
 use dynamic::Inertia;
-use gauss_seidel::Sweeper;
 use jump::{Jump, Pose};
 use linear::{Inner, Linear};
+use loose::Loose;
 use newton::Solved;
 use rattlers::Rattlers;
+use site::{Adjacency, Others};
 use tangential::{Changes, Reference};
 
 /// Times that floating grains which turn out to carry load may join the balance.
@@ -137,15 +140,12 @@ pub struct Workspace {
     pub follows: bool,
     /// Instabilities followed since the list was last emptied.
     pub jumps: Vec<Jump>,
-    /// Newton steps longer than this many mean overlaps are shortened by a shift of the Hessian.
+    /// Newton steps of a grain longer than this many mean overlaps are shortened.
     pub step_cap: f64,
     /// Shift of each grain's block, shape (n).
     shift: Vec<f32>,
     /// First shift of each grain, and the one below which it is dropped, shape (n).
     first_shift: Vec<f32>,
-    /// What each grain's cap is multiplied by, shape (n); with friction it grows with each whole
-    /// step that was capped. Negative while the present step is.
-    stride: Vec<f32>,
     /// Contacts of each grain, shape (n), those that stick twice; for packs with weight or friction.
     support: Vec<u32>,
     /// The present step \[m\], shape (n), and its rotations times radius \[m\], shape (n) or empty.
@@ -166,8 +166,13 @@ pub struct Workspace {
     /// For the memory that is being written.
     memory: Memory,
     rattlers: Rattlers,
-    sweeper: Sweeper,
+    adjacency: Adjacency,
+    /// Sweeps grain by grain so far.
+    sweeps: u64,
+    loose: Loose,
     inertia: Inertia,
+    /// Whether the linear system at hand is that of the last step of a search that found a minimum.
+    near_minimum: bool,
     negligible_force: f64,
 }
 
@@ -189,7 +194,6 @@ impl Workspace {
             jumps: Vec::new(),
             shift: vec![0.0; model.len()],
             first_shift: Vec::with_capacity(model.len()),
-            stride: Vec::with_capacity(model.len()),
             support: Vec::new(),
             step: Vec::with_capacity(model.len()),
             turn: Vec::new(),
@@ -203,7 +207,10 @@ impl Workspace {
             trial_balance: Balance::default(),
             memory: Memory::default(),
             rattlers: Rattlers::default(),
-            sweeper: Sweeper::default(),
+            adjacency: Adjacency::default(),
+            sweeps: 0,
+            near_minimum: false,
+            loose: Loose::default(),
             inertia: Inertia::default(),
             negligible_force: model.negligible_force(),
         }
@@ -213,9 +220,7 @@ impl Workspace {
     #[must_use]
     pub fn effort(&self) -> Effort {
         Effort {
-            gradients: self.balance.evaluations
-                + self.trial_balance.evaluations
-                + self.sweeper.sweeps,
+            gradients: self.balance.evaluations + self.trial_balance.evaluations + self.sweeps,
             products: self.linear.products + self.coupled.products,
         }
     }
@@ -235,11 +240,11 @@ impl Workspace {
             + self.coupled.heap_bytes()
             + self.memory.heap_bytes()
             + self.rattlers.heap_bytes()
-            + self.sweeper.heap_bytes()
+            + self.adjacency.heap_bytes()
+            + self.loose.heap_bytes()
             + self.inertia.heap_bytes()
             + single
             + heap::bytes(&self.support)
-            + heap::bytes(&self.stride)
             + heap::bytes(&self.jumps)
             + jumps
             + self.origin.heap_bytes()
@@ -287,6 +292,7 @@ impl Workspace {
 
     /// Takes the linearisation of the balance.
     pub fn assemble(&mut self, model: &Model) {
+        self.near_minimum = false;
         match self.reference.active {
             false => self.linear.assemble(&self.balance, &self.neighbours),
             true => self.coupled.assemble(
@@ -312,6 +318,11 @@ impl Workspace {
     /// scales it.
     pub fn solve(&mut self, largest: f64, forcing: f64, most: u32) -> Inner {
         self.factorise();
+        self.solve_as_it_is(largest, forcing, most)
+    }
+
+    /// As [`solve`](Self::solve), with the last linearisation and shifts.
+    fn solve_as_it_is(&mut self, largest: f64, forcing: f64, most: u32) -> Inner {
         let balance = std::mem::take(&mut self.balance);
         let inner = self.solve_again(&balance, largest, forcing, most);
         self.balance = balance;
@@ -340,6 +351,25 @@ impl Workspace {
 
     /// Takes the balance of `state` moved by `factor` times the step into `trial_balance`.
     fn try_step(&mut self, model: &Model, state: &State, bounds: &Bounds, factor: f64) {
+        self.go(model, state, factor);
+        self.judge(model, state, bounds);
+    }
+
+    /// As [`try_step`](Self::try_step), with the loose grains brought to balance where that leads.
+    fn try_settled_step(&mut self, model: &Model, state: &State, bounds: &Bounds, factor: f64) {
+        self.go(model, state, factor);
+        self.neighbours.refresh(model, &self.trial, bounds);
+        let force = newton::mean_square(&self.balance).sqrt();
+        let overlap = self.balance.sums.mean_overlap();
+        let Self { neighbours, reference, loose, adjacency, trial, trial_rotation, .. } = self;
+        let carries = &state.carries;
+        let others = Others { model, neighbours, reference, carries, bounds };
+        self.concave |= loose.settle(&others, adjacency, trial, trial_rotation, force, overlap);
+        self.judge(model, state, bounds);
+    }
+
+    /// Puts the grains of `state`, moved by `factor` times the step, on trial.
+    fn go(&mut self, model: &Model, state: &State, factor: f64) {
         self.trial.clear();
         self.trial
             .extend(state.position.iter().zip(&self.step).map(|(at, step)| at + step * factor));
@@ -348,6 +378,10 @@ impl Workspace {
             (state.rotation.iter().zip(&self.turn).zip(&model.radius))
                 .map(|((at, turn), radius)| at + turn * (factor / radius)),
         );
+    }
+
+    /// Takes the balance of the grains on trial.
+    fn judge(&mut self, model: &Model, state: &State, bounds: &Bounds) {
         self.neighbours.refresh(model, &self.trial, bounds);
         self.trial_balance.evaluate(&Configuration {
             model,

@@ -224,6 +224,7 @@ fn two_independent_readers_find_every_field_of_every_message() {
     let program = &said["program"];
     assert_eq!(program["version"], env!("CARGO_PKG_VERSION"));
     assert_eq!(program["threads"], "2");
+    assert_eq!(program["kernels"], graintwin::relax::lanes::kernels());
     assert!(program["features"].as_str().unwrap().split(' ').any(|feature| feature == "mcap"));
     assert_eq!(said["compressions"], json!(["zstd"]));
 }

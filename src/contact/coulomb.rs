@@ -47,20 +47,20 @@ impl Shear {
 pub fn return_map(carried: &Vec3, u: &Vec3, stiffness: f64, limit: f64) -> Shear {
     let trial = carried - u * stiffness;
     let size2 = trial.norm_squared();
-    if size2 <= limit * limit {
-        return Shear::stick(trial, stiffness);
-    }
+    // Without branches: many contacts are answered for at a time.
+    let slides = size2 > limit * limit;
     let size = size2.sqrt();
-    let direction = trial / size;
-    let dissipated = limit * (size - limit) / stiffness;
+    let share = if slides { limit / size } else { 1.0 };
+    let dissipated = if slides { limit * (size - limit) / stiffness } else { 0.0 };
+    let elastic = if slides { limit * limit } else { size2 };
     Shear {
-        force: direction * limit,
-        potential: dissipated + 0.5 * limit * limit / stiffness,
+        force: trial * share,
+        potential: dissipated + 0.5 * elastic / stiffness,
         dissipated,
-        across: stiffness * limit / size,
-        along: 0.0,
-        direction,
-        slides: true,
+        across: stiffness * share,
+        along: if slides { 0.0 } else { stiffness },
+        direction: trial * if slides { 1.0 / size } else { 0.0 },
+        slides,
     }
 }
 
@@ -129,20 +129,18 @@ pub struct Torsion {
 #[must_use]
 #[inline]
 pub fn torsion(carried: f64, angle: f64, stiffness: f64, limit: f64) -> Torsion {
-    if stiffness == 0.0 {
-        return Torsion::default();
-    }
     let trial = carried - angle * stiffness;
-    if trial.abs() <= limit {
-        let potential = 0.5 * trial * trial / stiffness;
-        return Torsion { couple: trial, potential, stiffness, ..Torsion::default() };
-    }
-    let dissipated = limit * (trial.abs() - limit) / stiffness;
+    let size = trial.abs();
+    let slides = size > limit;
+    let dissipated = if slides { limit * (size - limit) / stiffness } else { 0.0 };
+    let kept = size.min(limit);
+    let answers = stiffness > 0.0;
+    let where_it_answers = |x: f64| if answers { x } else { 0.0 };
     Torsion {
-        couple: limit.copysign(trial),
-        potential: dissipated + 0.5 * limit * limit / stiffness,
-        dissipated,
-        stiffness: 0.0,
-        slides: true,
+        couple: where_it_answers(kept.copysign(trial)),
+        potential: where_it_answers(dissipated + 0.5 * kept * kept / stiffness),
+        dissipated: where_it_answers(dissipated),
+        stiffness: if slides { 0.0 } else { stiffness },
+        slides: slides && answers,
     }
 }

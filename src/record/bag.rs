@@ -16,6 +16,7 @@ use crate::msg::{
     BoundaryCommand, ContactNetwork, Described, Event, JointState, Moduli, PackState, Report,
     WallForces, WrenchStamped, convert,
 };
+use crate::relax::lanes;
 use crate::report::Measures;
 use crate::scene::{self, Compression};
 use crate::sink::Served;
@@ -250,6 +251,7 @@ fn program(threads: usize) -> BTreeMap<String, String> {
     BTreeMap::from([
         ("version".into(), env!("CARGO_PKG_VERSION").into()),
         ("features".into(), features.join(" ")),
+        ("kernels".into(), lanes::kernels().into()),
         ("threads".into(), threads.to_string()),
     ])
 }

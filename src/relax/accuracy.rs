@@ -41,8 +41,10 @@ pub fn wall_force_error(model: &Model, state: &State, work: &mut Workspace, here
         // The exact forces are zero: all that is left is the error.
         return sums.force;
     }
-    // The neighbour list may have been made anew since the balance was taken.
-    work.evaluate(model, state, &state.bounds(model));
+    if !work.near_minimum {
+        // The neighbour list may have been made anew since the balance was taken.
+        work.evaluate(model, state, &state.bounds(model));
+    }
     let largest = work.balance.largest();
     if largest == 0.0 {
         return rounding(model, state, sums);
@@ -58,6 +60,10 @@ pub fn wall_force_error(model: &Model, state: &State, work: &mut Workspace, here
 /// Solves for the step to the equilibrium, with a shift where the state is no minimum; says whether
 /// there is one.
 fn predict(model: &Model, work: &mut Workspace, largest: f64) -> bool {
+    // The last step of the search was so small that its linearisation is that of the state.
+    if work.near_minimum && work.solve_as_it_is(largest, FORCING, MOST_PRODUCTS) == Inner::Step {
+        return true;
+    }
     work.shift.clear();
     work.shift.resize(model.len(), 0.0);
     work.assemble(model);

@@ -160,7 +160,7 @@ impl Coupled {
         for_each(&mut self.parts, |part| part.factorise(shift));
     }
 
-    /// Solves (H + Σ) s = -g until the preconditioned residual fell by `forcing`; `moment` is the
+    /// Solves (H + Σ) s = -g until the residual fell by `forcing`, preconditioned and as it is; `moment` is the
     /// gradient with respect to w. `unit` is the force that right-hand side and step are scaled by.
     pub fn solve(
         &mut self,
@@ -174,10 +174,15 @@ impl Coupled {
         separator.start(gradient, moment, unit);
         for_each(parts, |part| part.start(gradient, moment, unit));
         let mut rho = descend(parts, separator, 0.0);
+        // What hardly holds a grain makes up most of the preconditioned residual.
+        let square = |parts: &[Part], separator: &Part| {
+            parts.iter().map(|part| part.square).sum::<f64>() + separator.square
+        };
         let target = rho * forcing * forcing;
+        let plain = square(parts, separator) * forcing * forcing;
         let mut beta = 0.0;
         for _ in 0..most {
-            if rho <= target || rho <= 0.0 {
+            if (rho <= target && square(parts, separator) <= plain) || rho <= 0.0 {
                 break;
             }
             *products += 1;

@@ -7,55 +7,29 @@
 //! its shear stiffness set to zero (B 2.4) a grain can go to and fro between slip and slip; here it
 //! keeps that of sticking, the largest that it can have, and every displacement lowers the energy.
 
-mod site;
+mod local;
 
-use crate::contact::Other;
 use crate::model::Model;
 use crate::relax::Workspace;
 use crate::relax::newton::Solved;
-use crate::relax::rows::Rows;
+use crate::relax::site::{Others, Site};
 use crate::relax::verdict::{Progress, residual, verdict};
 use crate::state::State;
 use crate::wall::Bounds;
-use site::Site;
+use local::Local;
 
 /// Most sweeps between two looks at the balance of the whole pack.
 const PATIENCE: u32 = 50;
 
-/// Scratch of this module.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Sweeper {
-    /// Neighbours of each grain, with Hertz' M.
-    near: Rows<(u32, f64)>,
-    /// Contacts of each grain at the reference.
-    held: Rows<u32>,
-    /// Sweeps so far.
-    pub(super) sweeps: u64,
-}
-
 /// Relaxes the grains of `state` that carry load.
 pub(super) fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
     let bounds = state.bounds(model);
-    let mut sweeper = std::mem::take(&mut work.sweeper);
-    sweeper.list_held(model, work);
-    let solved = run(model, state, work, &mut sweeper, &bounds);
-    work.sweeper = sweeper;
-    solved
-}
-
-fn run(
-    model: &Model,
-    state: &mut State,
-    work: &mut Workspace,
-    sweeper: &mut Sweeper,
-    bounds: &Bounds,
-) -> Solved {
     let most = model.solver.most_iterations();
     let mut iterations = 0;
-    let mut listed = None;
     let mut largest = f64::INFINITY;
+    work.adjacency.begin();
     loop {
-        work.evaluate(model, state, bounds);
+        work.evaluate(model, state, &bounds);
         let progress = Progress { iterations, patient: iterations > 0 };
         if let Some(end) = verdict(model, state, work, progress) {
             return end;
@@ -64,14 +38,7 @@ fn run(
         let sought = model.solver.tolerance / residual(model, work);
         let hope = sought * largest.min(work.balance.largest());
         for _ in 0..PATIENCE.min(most - iterations) {
-            work.neighbours.refresh(model, &state.position, bounds);
-            if listed != Some(work.neighbours.rebuilds) {
-                let carries = &state.carries;
-                let both = |i: usize, j: usize| carries[i] && carries[j];
-                sweeper.near.fill_pairs(&work.neighbours, model.len(), both);
-                listed = Some(work.neighbours.rebuilds);
-            }
-            largest = sweeper.sweep(model, state, work, bounds);
+            largest = sweep(model, state, work, &bounds);
             iterations += 1;
             if largest <= hope {
                 break;
@@ -80,50 +47,24 @@ fn run(
     }
 }
 
-impl Sweeper {
-    /// Memory that its lists hold \[bytes\].
-    pub(super) fn heap_bytes(&self) -> usize {
-        self.near.heap_bytes() + self.held.heap_bytes()
-    }
-
-    /// Lists the contacts at the reference by grain.
-    fn list_held(&mut self, model: &Model, work: &Workspace) {
-        let contacts = &work.reference.contacts;
-        self.held.fill(model.len(), || {
-            contacts.iter().enumerate().flat_map(|(k, held)| {
-                let second = match held.second {
-                    Other::Grain(j) => Some((j as usize, k as u32)),
-                    Other::Wall(_) => None,
-                };
-                std::iter::once((held.first as usize, k as u32)).chain(second)
-            })
-        });
-    }
-
-    /// Moves every grain once; returns the largest unbalanced force that one had at its turn \[N\].
-    fn sweep(
-        &mut self,
-        model: &Model,
-        state: &mut State,
-        work: &Workspace,
-        bounds: &Bounds,
-    ) -> f64 {
-        self.sweeps += 1;
-        let scale = 1.0 / work.reference_stiffness;
-        let mut largest = 0.0_f64;
-        for i in 0..model.len() {
-            if !state.carries[i] {
-                continue;
-            }
-            let site = Site { model, state, work, bounds, grain: i, scale };
-            let local = site.local(self.near.row(i), self.held.row(i));
-            largest = largest.max(local.unbalanced());
-            let [u, w] = local.step(model.solver.step_cap * model.radius[i], scale);
-            state.position[i] += u;
-            if let Some(rotation) = state.rotation.get_mut(i) {
-                *rotation += w / model.radius[i];
-            }
+/// Moves every grain once; returns the largest unbalanced force that one had at its turn \[N\].
+fn sweep(model: &Model, state: &mut State, work: &mut Workspace, bounds: &Bounds) -> f64 {
+    work.sweeps += 1;
+    work.neighbours.refresh(model, &state.position, bounds);
+    let Workspace { neighbours, reference, adjacency, reference_stiffness, .. } = work;
+    let scale = 1.0 / *reference_stiffness;
+    let mut largest = 0.0_f64;
+    let State { position, rotation, carries, .. } = state;
+    let others = Others { model, neighbours, reference, carries, bounds };
+    adjacency.refresh(&others);
+    for i in (0..model.len()).filter(|&i| carries[i]) {
+        let local = Local::of(&Site { others: &others, adjacency, position, rotation }, i, scale);
+        largest = largest.max(local.unbalanced());
+        let [u, w] = local.step(model.solver.step_cap * model.radius[i], scale);
+        position[i] += u;
+        if let Some(rotation) = rotation.get_mut(i) {
+            *rotation += w / model.radius[i];
         }
-        largest
     }
+    largest
 }

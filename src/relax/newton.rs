@@ -5,7 +5,6 @@ use crate::model::Model;
 use crate::relax::balance::Balance;
 use crate::relax::linear::Inner;
 use crate::relax::{Status, Workspace, rattlers};
-use crate::scene::Law;
 use crate::state::State;
 use crate::wall::Bounds;
 
@@ -22,12 +21,17 @@ const LEAP: f64 = 1.0;
 const PATIENCE: u32 = 20;
 /// What whole steps divide the shifts by, without friction; with it they drop them.
 const RELIEF: f32 = 4.0;
-/// Least shift of a grain that is held back over its first one, with friction.
-const HELD: f32 = 1000.0;
+/// With friction a grain is loose whose unbalanced force is this many times the root mean square.
+const LOOSE: f64 = 4.0;
+/// With friction every step is damped as if moving by the cap took this share of the root mean
+/// square of the unbalanced forces: groups of grains that nothing holds stay where they are.
+const DAMPING: f64 = 0.03;
 /// Reduction of the residual of the step that takes contacts to stick.
 const PREDICTION: f64 = 0.1;
-/// Longest that the cap of a grain becomes which goes on in capped steps, over the cap.
-const LONGEST_STRIDE: f32 = 64.0;
+/// Reduction of the residual that is asked of a linear solve: the least, which with friction costs
+/// less than another linearisation, and the most.
+const FORCING: [f64; 2] = [0.1, 0.02];
+const MOST_FORCING: f64 = 0.5;
 /// Shifts tried in one step.
 const MOST_SHIFTS: u32 = 60;
 /// Most that one linear solve may take.
@@ -58,8 +62,8 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
     let mut extra = 0;
     work.shift.clear();
     work.shift.resize(model.len(), 0.0);
-    work.stride.clear();
-    work.stride.resize(model.len(), 1.0);
+    work.loose.begin(model.len());
+    work.adjacency.begin();
     let mut shifted = false;
     let mut in_a_row = 0;
     let mut settled = false;
@@ -84,6 +88,7 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
         if residual <= tolerance {
             // A state reached by a shifted step may still be a saddle: look once more.
             if !shifted || extra == EXTRA_STEPS {
+                work.near_minimum = iterations > 0 && !shifted;
                 return end(Status::Converged);
             }
             extra += 1;
@@ -102,8 +107,12 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
             return end(Status::MaxIterations);
         }
         iterations += 1;
+        if work.reference.active {
+            find_loose(work);
+        }
         work.assemble(model);
-        let forcing = (0.3 * tolerance / residual).clamp(0.1, 0.5);
+        let least = FORCING[usize::from(work.reference.active)];
+        let forcing = (0.3 * tolerance / residual).clamp(least, MOST_FORCING);
         match step(model, state, work, &bounds, forcing, largest) {
             Some(used) => shifted = used,
             None if work.concave && work.follows => return end(Status::Unstable),
@@ -120,6 +129,17 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
                 return end(Status::Converged);
             }
             return Solved { iterations, ..end(Status::Unstable) };
+        }
+    }
+}
+
+/// Takes the grains as loose that are much further from their balance than the others.
+fn find_loose(work: &mut Workspace) {
+    let Workspace { balance, loose, .. } = work;
+    let limit = LOOSE * LOOSE * mean_square(balance);
+    for (i, (force, moment)) in balance.gradient.iter().zip(&balance.moment).enumerate() {
+        if force.norm_squared().max(moment.norm_squared()) > limit {
+            loose.add(i);
         }
     }
 }
@@ -165,7 +185,8 @@ pub(super) fn residual(model: &Model, largest: f64, mean_force: f64) -> f64 {
 ///
 /// Where the energy is concave the whole Hessian is shifted, and the step leads downhill the way
 /// an overdamped specimen would go. Where a grain would move further than the linearisation
-/// holds, its own block alone is shifted: one grain on the jump must not stop the others.
+/// holds, its own block alone is shifted: one grain on the jump must not stop the others. With
+/// friction such a grain is loose: its step is cut, and the rest is found from where that ends.
 fn step(
     model: &Model,
     state: &mut State,
@@ -186,7 +207,17 @@ fn step(
     }
     let cap = work.step_cap
         * if sums.contacts > 0 { sums.mean_overlap() } else { 0.1 * model.mean_radius };
+    let damping = match work.reference.active {
+        false => 0.0,
+        true => {
+            let force = DAMPING * mean_square(&work.balance).sqrt();
+            (force / (cap * work.reference_stiffness)) as f32
+        }
+    };
     for _ in 0..MOST_SHIFTS {
+        for shift in &mut work.shift {
+            *shift = shift.max(damping);
+        }
         let inner = work.solve(largest, forcing, MOST_PRODUCTS);
         if inner == Inner::NegativeCurvature {
             work.concave = true;
@@ -197,32 +228,17 @@ fn step(
             }
             continue;
         }
-        let mut held_back = false;
-        for i in 0..model.len() {
-            let turn = work.turn.get(i).map_or(0.0, Vec3::norm);
-            let cap = cap * f64::from(work.stride[i].abs());
-            if work.step[i].norm().max(turn) > cap {
-                work.shift[i] = (4.0 * work.shift[i]).max(held(work, i, cap));
-                work.stride[i] = -work.stride[i].abs();
-                held_back = true;
-            }
-        }
-        if held_back {
+        let shortened = work.reference.active && cut(work, cap);
+        if !work.reference.active && hold_back(work, cap) {
             continue;
         }
-        let shifted = work.shift.iter().any(|&shift| shift > 0.0);
+        let shifted = shortened || work.shift.iter().any(|&shift| shift > damping);
         let Some(whole) = search(model, state, work, bounds) else {
             for (shift, first) in work.shift.iter_mut().zip(&work.first_shift) {
                 *shift = (4.0 * *shift).max(*first);
             }
             continue;
         };
-        for stride in work.stride.iter_mut().filter(|stride| **stride != 1.0) {
-            *stride = match *stride < 0.0 && whole && work.reference.active {
-                true => (-2.0 * *stride).min(LONGEST_STRIDE),
-                false => 1.0,
-            };
-        }
         for (shift, first) in work.shift.iter_mut().zip(&work.first_shift) {
             *shift = match () {
                 () if !whole => *shift,
@@ -235,15 +251,33 @@ fn step(
     None
 }
 
-/// Least shift of a grain that is held back to `cap` \[m\]. With friction it is known better what
-/// that takes: the unbalanced force over the cap, if nothing else holds the grain.
-fn held(work: &Workspace, i: usize, cap: f64) -> f32 {
-    if !work.reference.active {
-        return work.first_shift[i];
+/// Shifts the blocks of the grains whose step is longer than `cap` \[m\]; says whether there are any.
+fn hold_back(work: &mut Workspace, cap: f64) -> bool {
+    let Workspace { step, shift, first_shift, .. } = work;
+    let mut any = false;
+    for ((step, shift), first) in step.iter().zip(shift).zip(&*first_shift) {
+        if step.norm() > cap {
+            *shift = (4.0 * *shift).max(*first);
+            any = true;
+        }
     }
-    let force = work.balance.gradient[i].norm().max(work.balance.moment[i].norm());
-    let alone = (force / cap / work.reference_stiffness) as f32;
-    alone.max(HELD * work.first_shift[i])
+    any
+}
+
+/// Cuts the steps longer than `cap` \[m\] and takes those grains as loose; says whether there are any.
+fn cut(work: &mut Workspace, cap: f64) -> bool {
+    let Workspace { step, turn, loose, .. } = work;
+    let mut any = false;
+    for (i, (step, turn)) in step.iter_mut().zip(turn).enumerate() {
+        let length = step.norm().max(turn.norm());
+        if length > cap {
+            *step *= cap / length;
+            *turn *= cap / length;
+            loose.add(i);
+            any = true;
+        }
+    }
+    any
 }
 
 /// Backtracks along the step; says whether the whole step was taken, `None` when nothing descends.
@@ -251,15 +285,16 @@ fn search(model: &Model, state: &mut State, work: &mut Workspace, bounds: &Bound
     let before = work.balance.potential();
     let slope = work.slope(&work.balance);
     let square: f64 = square(&work.balance);
-    // Only the radial return has a potential whose gradient is the force. With friction the
-    // balance is taken in the current geometry and the potential follows it to the strain.
-    let (potential, flat) = match &model.friction {
-        None => (true, 1e-10),
-        Some(friction) => (friction.law == Law::ReturnMap, f64::INFINITY),
-    };
+    // With friction the balance is taken in the current geometry and the potential follows it to
+    // the strain.
+    let flat = if model.friction.is_some() { f64::INFINITY } else { 1e-10 };
+    let potential = model.has_potential();
     let mut factor = 1.0;
     for _ in 0..=HALVINGS {
-        work.try_step(model, state, bounds, factor);
+        match work.reference.active {
+            false => work.try_step(model, state, bounds, factor),
+            true => work.try_settled_step(model, state, bounds, factor),
+        }
         let after = &work.trial_balance;
         let change = after.potential() - before;
         let size = before.abs().max(after.potential().abs());
@@ -281,6 +316,11 @@ fn search(model: &Model, state: &mut State, work: &mut Workspace, bounds: &Bound
     // The list may have been made for a trial that was refused.
     work.neighbours.refresh(model, &state.position, bounds);
     None
+}
+
+/// Mean over the grains of the squares of the unbalanced forces \[N²\].
+pub(super) fn mean_square(balance: &Balance) -> f64 {
+    square(balance) / balance.gradient.len().max(1) as f64
 }
 
 /// Sum of the squares of the unbalanced forces.

@@ -5,6 +5,7 @@
 //! the limit Q_max = μP⁰; new ones carry none until the next reference, and those that open keep
 //! theirs until then (T 3.3.2: stiffness and limit are those of the unperturbed contact).
 
+mod batch;
 mod commit;
 mod held;
 mod turn;
@@ -62,7 +63,7 @@ pub struct Pull {
     /// Couple on grain i \[N m\].
     pub(super) couple: Vec3,
     /// Of shear and torsion \[J\].
-    potential: f64,
+    pub(super) potential: f64,
     pub(super) arm: [f64; 2],
 }
 
@@ -172,6 +173,12 @@ impl Reference {
             let pulls = &mut pulls[..contacts.len()];
             let tasks = tractions.par_chunks_mut(CHUNK).zip(pulls.par_chunks_mut(CHUNK));
             tasks.zip(contacts.par_chunks(CHUNK)).for_each(|((tractions, pulls), contacts)| {
+                if friction.law == Law::ReturnMap {
+                    let (reference, pose, carries) = (self, &pose, at.carries);
+                    let all =
+                        batch::Answer { reference, pose, carries, contacts, tractions, pulls };
+                    return all.all();
+                }
                 for ((traction, pull), held) in tractions.iter_mut().zip(pulls).zip(contacts) {
                     (*traction, *pull) = self.answer(held, friction.law, &pose, at.carries);
                 }
@@ -203,11 +210,7 @@ impl Reference {
         pose: &Pose<'_>,
         carries: &[bool],
     ) -> (Traction, Pull) {
-        let other = match held.second {
-            Other::Grain(j) => carries[j as usize],
-            Other::Wall(_) => true,
-        };
-        if !(other && carries[held.first as usize]) {
+        if !held.live(carries) {
             return Default::default();
         }
         let motion = held.motion(pose, &self.rotation);

@@ -35,6 +35,8 @@ pub(super) struct Part {
     pub(super) product: Vec<Six>,
     /// The last scalar product.
     pub(super) dot: f64,
+    /// The square of the residual.
+    pub(super) square: f64,
 }
 
 impl Part {
@@ -144,7 +146,7 @@ impl Part {
     /// Goes `alpha` along the direction; `product` becomes the preconditioned residual and `dot`
     /// that of both.
     pub(super) fn descend(&mut self, alpha: f32) {
-        self.dot = dispatch(Descend { part: self, alpha });
+        [self.dot, self.square] = dispatch(Descend { part: self, alpha });
     }
 
     /// Direction ← preconditioned residual + `beta` direction.
@@ -293,15 +295,15 @@ struct Descend<'a> {
 }
 
 impl Kernel for Descend<'_> {
-    type Output = f64;
+    type Output = [f64; 2];
 
     #[inline(always)]
-    fn run<L: Lanes>(self, l: L) -> f64 {
+    fn run<L: Lanes>(self, l: L) -> [f64; 2] {
         let Part { inverse, step, residual, direction, product, .. } = self.part;
         let alpha = l.splat(self.alpha);
-        let mut total = 0.0;
+        let mut total = [0.0; 2];
         for (chunk, inverse) in inverse.chunks(LANE_ROWS).enumerate() {
-            let mut lanes = l.splat(0.0);
+            let mut lanes = [l.splat(0.0); 2];
             for (k, inverse) in inverse.iter().enumerate() {
                 let i = chunk * LANE_ROWS + k;
                 let (x, r, p, q) = (&mut step[i], &mut residual[i], &direction[i], &mut product[i]);
@@ -317,9 +319,12 @@ impl Kernel for Descend<'_> {
                 let [zu, zw] = inverse.times(l, u, w);
                 l.store(&mut q.u, zu);
                 l.store(&mut q.w, zw);
-                lanes = l.mul_add(zw, w, l.mul_add(zu, u, lanes));
+                lanes[0] = l.mul_add(zw, w, l.mul_add(zu, u, lanes[0]));
+                lanes[1] = l.mul_add(w, w, l.mul_add(u, u, lanes[1]));
             }
-            total += lanes::in_double(l.array(lanes));
+            for (total, lanes) in total.iter_mut().zip(lanes) {
+                *total += lanes::in_double(l.array(lanes));
+            }
         }
         total
     }

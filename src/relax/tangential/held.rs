@@ -85,6 +85,36 @@ impl Answer {
     }
 }
 
+/// The two ends of a contact.
+pub(super) struct Ends {
+    /// r_ij \[m\]; at a wall from the wall to the centre.
+    pub(super) branch: Vec3,
+    /// What the arms differ by, times the distance \[m²\].
+    pub(super) offset: f64,
+    /// Change of r_ij since the reference \[m\].
+    pub(super) moved: Vec3,
+    /// Change of the rotations since then \[rad\].
+    pub(super) turned: [Vec3; 2],
+}
+
+impl Ends {
+    /// How the contact moved.
+    #[inline(always)]
+    pub(super) fn motion(&self) -> Motion {
+        let Self { branch, offset, moved, turned: [wi, wj] } = self;
+        let distance = branch.norm();
+        let inverse = 1.0 / distance;
+        let normal = branch * inverse;
+        // Of the current disc (T 2.16, 3.3a): a frozen one leaves a spurious couple.
+        let arm_i = 0.5 * (distance + offset * inverse);
+        let arm = [arm_i, distance - arm_i];
+        let sweep = wi * arm[0] + wj * arm[1];
+        // (3.2): Ω × R with R = -n̂ arm.
+        let slid = moved - normal * normal.dot(moved) + normal.cross(&sweep);
+        Motion { normal, arm, slid, twist: (wi - wj).dot(&normal) }
+    }
+}
+
 /// Where a contact is and how it moved since the reference.
 pub(super) struct Motion {
     pub(super) normal: Vec3,
@@ -246,37 +276,51 @@ impl Held {
         }
     }
 
+    /// Whether both bodies take part in the balance, as `carries` says of the grains.
+    #[inline(always)]
+    pub(super) fn live(&self, carries: &[bool]) -> bool {
+        let other = match self.second {
+            Other::Grain(j) => carries[j as usize],
+            Other::Wall(_) => true,
+        };
+        other && carries[self.first as usize]
+    }
+
     /// How the contact moved, for the rotations `rotation` at the reference.
     #[inline(always)]
     pub(super) fn motion(&self, at: &Pose<'_>, rotation: &[Vec3]) -> Motion {
+        self.ends(at, rotation).motion()
+    }
+
+    /// Where its bodies are, for the rotations `rotation` at the reference.
+    #[inline(always)]
+    pub(super) fn ends(&self, at: &Pose<'_>, rotation: &[Vec3]) -> Ends {
         let i = self.first as usize;
         let turned = |k: usize| at.rotation[k] - rotation[k];
         let xi = at.position[i];
-        let (normal, arm, moved, sweep, twist) = match self.second {
+        match self.second {
             Other::Grain(j) => {
                 let j = j as usize;
                 let branch = xi - at.position[j];
-                let distance = branch.norm();
-                let inverse = 1.0 / distance;
-                let normal = branch * inverse;
                 let (ri, rj) = (at.model.radius[i], at.model.radius[j]);
-                // Of the current disc (T 2.16, 3.3a): a frozen one leaves a spurious couple.
-                let arm_i = 0.5 * (distance + (ri - rj) * (ri + rj) * inverse);
-                let arm = [arm_i, distance - arm_i];
-                let (wi, wj) = (turned(i), turned(j));
-                let sweep = wi * arm[0] + wj * arm[1];
-                (normal, arm, branch - self.branch, sweep, (wi - wj).dot(&normal))
+                Ends {
+                    branch,
+                    offset: (ri - rj) * (ri + rj),
+                    moved: branch - self.branch,
+                    turned: [turned(i), turned(j)],
+                }
             }
             Other::Wall(w) => {
-                let normal = wall_normal(w);
-                let arm = wall_gap(&xi, usize::from(w), at.bounds); // (3.3b)
-                let wi = turned(i);
-                (normal, [arm, 0.0], xi - self.branch, wi * arm, wi.dot(&normal))
+                // The contact is at the wall, which is as far as the other end (3.3b).
+                let gap = wall_gap(&xi, usize::from(w), at.bounds).max(f64::MIN_POSITIVE);
+                Ends {
+                    branch: wall_normal(w) * gap,
+                    offset: gap * gap,
+                    moved: xi - self.branch,
+                    turned: [turned(i), Vec3::zeros()],
+                }
             }
-        };
-        // (3.2): Ω × R with R = -n̂ arm.
-        let slid = moved - normal * normal.dot(&moved) + normal.cross(&sweep);
-        Motion { normal, arm, slid, twist }
+        }
     }
 
     /// Answer to `motion` by `law`.

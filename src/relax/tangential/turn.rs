@@ -25,12 +25,11 @@ impl Turn {
 }
 
 /// Q⁰ᵖ: a force turned into the plane across `normal` (T 3.3.2).
+#[inline(always)]
 pub(super) fn turned_into_plane(force: &Vec3, normal: &Vec3) -> Vec3 {
     let size2 = force.norm_squared();
-    if size2 == 0.0 {
-        return Vec3::zeros();
-    }
     let projected = force - normal * normal.dot(force);
     let flat2 = projected.norm_squared();
-    if flat2 == 0.0 { projected } else { projected * (size2 / flat2).sqrt() }
+    // Nothing to turn, or nothing left in the plane.
+    projected * if flat2 > 0.0 { (size2 / flat2).sqrt() } else { 0.0 }
 }
