@@ -12,6 +12,7 @@ pub mod advance;
 pub mod balance;
 mod block;
 mod conjugate_gradient;
+pub mod cool;
 pub mod coupled;
 mod crew;
 mod downhill;
@@ -425,6 +426,13 @@ pub fn relax(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome 
         return outcome;
     }
     downhill::descend(model, state, work, outcome)
+}
+
+/// Relaxes `state` where a minimum is near; instabilities are not followed, and on a status that is
+/// no equilibrium the state is not to be used.
+pub fn relax_nearby(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
+    work.origin.copy(state);
+    carrying(model, state, work)
 }
 
 /// Relaxes the grains that carry load by the scene's method alone.

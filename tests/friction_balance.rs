@@ -42,7 +42,7 @@ fn loaded() -> &'static Pack {
 fn loading() -> &'static (Pack, f64) {
     static PACK: OnceLock<(Pack, f64)> = OnceLock::new();
     PACK.get_or_init(|| {
-        let mut pack = made(GRAINS, 1e7, 5);
+        let mut pack = made(GRAINS, 1e7, 1);
         for (k, grain) in pack.grains.iter_mut().enumerate() {
             grain.friction = if k % 5 == 0 { 0.1 } else { MU };
         }

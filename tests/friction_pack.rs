@@ -213,7 +213,7 @@ fn a_thousand_cyclic_increments_neither_gain_nor_lose_energy_but_by_slip() {
         (0.3, Update::Current, 2e-6),
         (f64::INFINITY, Update::Current, 2e-8),
     ] {
-        let pack = rough(100, 1e7, 3, mu);
+        let pack = rough(100, 1e7, 23, mu);
         let scene = frictional(1e-8, mu, Law::ReturnMap, update);
         let states = states(&scene, &pack, strains());
         let swing = states[10].stored_energy - states[0].stored_energy;

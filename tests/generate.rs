@@ -76,6 +76,19 @@ fn one_and_eight_grains_can_be_made() {
 }
 
 #[test]
+fn radii_of_1_to_20_and_stresses_near_jamming_and_far_from_it_can_be_asked_for() {
+    let mixed = Radius::Uniform([0.01e-3, 0.2e-3]);
+    let narrow = Radius::Uniform([0.07e-3, 0.13e-3]);
+    for (radius, stress) in [(mixed, 1e6), (mixed, 10e6), (narrow, 20e3), (narrow, 500e6)] {
+        let measures = found(&make(&Generate { radius, ..recipe(200, stress, 9) }, &SPREAD));
+        for axis in 0..3 {
+            let off = state(&measures).stress_walls[4 * axis] / stress - 1.0;
+            assert!(off.abs() <= 1.001e-3, "{radius:?}, {stress} Pa, axis {axis}: {off}");
+        }
+    }
+}
+
+#[test]
 fn a_box_of_other_proportions_keeps_them_roughly_and_its_stress_exactly() {
     let tall = Generate { aspect: [1.0, 1.0, 2.0], ..recipe(150, 1e6, 4) };
     let pack = make(&tall, &SPREAD);

@@ -190,7 +190,7 @@ fn too_few_iterations_end_every_method_and_leave_the_state() {
 
 #[test]
 fn every_method_notices_that_a_pack_carries_no_load_any_more() {
-    let pack = made(60, 1e6, 3);
+    let pack = made(60, 1e6, 1);
     for method in OTHERS {
         let (mut rig, _) = Rig::start(&by(method, 1e-6), &pack);
         let mut last = rig.go(by_strain(&pack.bounds, [0.0; 3]));

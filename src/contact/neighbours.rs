@@ -80,14 +80,19 @@ impl Neighbours {
     /// Makes the list anew for `position`.
     pub fn rebuild(&mut self, model: &Model, position: &[Vec3], bounds: &Bounds) {
         let least = SKINS.0 * model.mean_radius;
-        self.skin = match self.served {
+        let skin = match self.served {
             _ if self.made_in.is_none() => SKIN * model.mean_radius,
             served if served < SERVICE.0 => (1.5 * self.skin).min(SKINS.1 * model.mean_radius),
             served if served > SERVICE.1 => (0.7 * self.skin).max(least),
             _ => self.skin.max(least),
         };
+        self.make(model, position, bounds, skin);
+    }
+
+    /// Makes the list anew for `position` with all pairs up to `skin` \[m\] apart.
+    pub(crate) fn make(&mut self, model: &Model, position: &[Vec3], bounds: &Bounds, skin: f64) {
+        self.skin = skin;
         self.served = 0;
-        let skin = self.skin;
         self.cells.sort(position, 2.0 * model.max_radius + skin);
         self.start.clear();
         self.second.clear();

@@ -1,9 +1,18 @@
-//! Making a pack from a seed: random points, a quench to a jammed state, and compaction to an
-//! isotropic stress (T 2.7.2, HZ-14, HZ-15).
+//! Making a pack from a seed: random points, a jammed state, and compaction to an isotropic stress
+//! (T 2.7.2, HZ-14, HZ-15).
 //!
 //! The thesis starts from a settled sediment of another code; here the loose state is random
 //! points in a box a little too small for them. They are pushed apart, and then grains and box
-//! descend together to the equilibrium at the stress asked for.
+//! move under the stress asked for, against a weak drag, until hardly anything moves
+//! ([`cool`](crate::relax::cool)). Newton's method ends in the equilibrium.
+//!
+//! A low stress is come to from above: near jamming nearly every grain is about to rearrange, and
+//! a pack that comes to rest there takes long. It cools where its overlaps are two thousandths of
+//! a diameter, and is relieved in stages of a factor of eight at most.
+//!
+//! The slower a pack cools the denser it is. With 2740 grains at 10 MPa its solid fraction is
+//! about 0.002 above that of a pack that descends as fast as it can (0.624 against 0.622), its
+//! coordination the same, and 3.2 % of its grains float instead of 2.7 %.
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -14,8 +23,7 @@ use crate::measure::contacts::Contacts;
 use crate::measure::coordination;
 use crate::model::{Model, sphere_volume};
 use crate::pack::{Grain, Pack, properties};
-use crate::relax::fire::{self, Goal};
-use crate::relax::{Outcome, Status, Workspace, relax};
+use crate::relax::{Outcome, Status, Workspace, cool, fire, relax, relax_nearby};
 use crate::scene::{Generate, Material, Method, Solver, Walls};
 use crate::state::State;
 use crate::wall::Bounds;
@@ -26,8 +34,24 @@ const JAMMED_FRACTION: f64 = 0.64;
 const WALL_LAYER: f64 = 0.095;
 /// Overlap strain beyond that of the stress asked for with which the quench starts.
 const QUENCH_STRAIN: f64 = 0.006;
-/// Mean contact force over stress and squared mean radius in a jammed pack.
-const FORCE_PER_STRESS: f64 = 3.4;
+/// Least overlap strain at which a pack cools, and what the stress is divided by in each stage of
+/// relief, at most.
+const COOLING_STRAIN: f64 = 2e-3;
+const RELIEF: f64 = 8.0;
+/// Drag on the scattered grains: a factor and the power of their number that it goes with, and its
+/// bounds. The more grains, the slower they have to cool, or some place of the pack is still
+/// rearranging when the rest has come to rest.
+const DRAG: (f64, f64) = (0.015, -0.2);
+const DRAGS: (f64, f64) = (1e-3, 5e-3);
+/// Drag on a pack that is relieved.
+const RELIEF_DRAG: f64 = 0.01;
+/// Residual of a stage of relief.
+const RELIEVED: f64 = 0.03;
+/// Residual at which Newton's method is tried first, and the overlap strain from which on it is
+/// that; below, it goes with the root of the strain.
+const COLD: (f64, f64) = (3e-3, 2e-3);
+/// Times that it is tried, with a third of the residual.
+const TRIALS: u32 = 5;
 /// Residual to which the scattered grains are pushed apart before the box may move.
 const APART: f64 = 0.2;
 /// Residuals of the descents under pressure, one after the other until the stress is right.
@@ -86,7 +110,9 @@ pub fn generate(
         .collect();
     let mut press = Press::new(&scatter(spec, material, grains, &mut rng), walls, solver);
     press.quench();
-    press.compact(spec.confining_stress)?;
+    if !press.cool(spec.confining_stress) {
+        press.compact(spec.confining_stress)?;
+    }
     for _ in 0..spec.expand_floaters {
         if !press.expand_floaters() {
             break;
@@ -117,10 +143,8 @@ fn scatter(spec: &Generate, material: &Material, mut grains: Vec<Grain>, rng: &m
     let count = grains.len() as f64;
     let solid: f64 = grains.iter().map(|g| sphere_volume(g.radius)).sum();
     let radius = grains.iter().map(|g| g.radius).sum::<f64>() / count;
-    let modulus =
-        hertz::modulus(0.5 * radius, 2.0 * hertz::compliance(material.young, material.poisson));
-    let force = FORCE_PER_STRESS * spec.confining_stress * radius * radius;
-    let strain = (force / modulus).powf(2.0 / 3.0) / (2.0 * radius) + QUENCH_STRAIN;
+    let compliance = hertz::compliance(material.young, material.poisson);
+    let strain = overlap_strain(spec.confining_stress, radius, compliance) + QUENCH_STRAIN;
     let side = (solid / JAMMED_FRACTION).cbrt();
     let near_walls = 1.0 - 6.0 * WALL_LAYER * 2.0 * radius / side;
     let fraction = JAMMED_FRACTION * near_walls.max(0.5) * (1.0 + 3.0 * strain);
@@ -132,6 +156,14 @@ fn scatter(spec: &Generate, material: &Material, mut grains: Vec<Grain>, rng: &m
         });
     }
     Pack { bounds: Bounds { min: half.map(|h| -h), max: half }, grains, history: None }
+}
+
+/// Mean overlap over the diameter in a jammed pack at `stress` \[Pa\], of grains with a mean radius
+/// \[m\] and a mean compliance \[1/Pa\].
+fn overlap_strain(stress: f64, radius: f64, compliance: f64) -> f64 {
+    let modulus = hertz::modulus(0.5 * radius, 2.0 * compliance);
+    let force = cool::FORCE_PER_STRESS * stress * radius * radius;
+    (force / modulus).powf(2.0 / 3.0) / (2.0 * radius)
 }
 
 /// A pack between walls that move at will.
@@ -158,8 +190,52 @@ impl Press {
     }
 
     fn descend(&mut self, residual: f64, pressure: Option<f64>) {
-        let goal = Goal { residual, pressure, steps: MOST_STEPS };
+        let goal = fire::Goal { residual, pressure, steps: MOST_STEPS };
         fire::descend(&self.model, &mut self.state, &mut self.work, goal);
+    }
+
+    /// Cools with all three normal stresses at `pressure` \[Pa\] until the residual is reached.
+    fn go_cold(&mut self, pressure: f64, residual: f64, drag: f64) -> Status {
+        let goal = cool::Goal { residual, pressure, drag, steps: MOST_STEPS };
+        cool::cool(&self.model, &mut self.state, &mut self.work, goal)
+    }
+
+    /// Cools the pack to the equilibrium with all three normal stresses at `target` \[Pa\]; says
+    /// whether it came to one.
+    fn cool(&mut self, target: f64) -> bool {
+        let count = self.model.len() as f64;
+        let compliance = self.model.compliance.iter().sum::<f64>() / count;
+        let strain = overlap_strain(target, self.model.mean_radius, compliance);
+        let mut drag = (DRAG.0 * count.powf(DRAG.1)).clamp(DRAGS.0, DRAGS.1);
+        // The stress goes with the strain to the power of 1.5.
+        let above = (COOLING_STRAIN / strain).powf(1.5).max(1.0);
+        let stages = (above.ln() / RELIEF.ln()).ceil() as i32;
+        for stage in 0..stages {
+            let pressure = target * above.powf(1.0 - f64::from(stage) / f64::from(stages));
+            self.go_cold(pressure, RELIEVED, drag);
+            drag = RELIEF_DRAG;
+        }
+        let mut residual = COLD.0 * (strain / COLD.1).sqrt().min(1.0);
+        for _ in 0..TRIALS {
+            if self.go_cold(target, residual, drag) != Status::Converged {
+                return false;
+            }
+            self.resort();
+            let state = self.state.clone();
+            (self.work.step_cap, self.work.follows) = (BOLD_STEP, false);
+            let outcome = relax_nearby(&self.model, &mut self.state, &mut self.work);
+            if self.is_at(target, &outcome) {
+                return true;
+            }
+            self.state = state;
+            residual /= 3.0;
+        }
+        false
+    }
+
+    fn is_at(&self, target: f64, outcome: &Outcome) -> bool {
+        let miss = (self.stress() - Vec3::repeat(target)).amax();
+        outcome.status == Status::Converged && miss <= STRESS_TOLERANCE * target
     }
 
     /// Brings the pack to equilibrium with all three normal stresses at `target` \[Pa\].
@@ -168,11 +244,9 @@ impl Press {
         for residual in DESCENTS {
             self.descend(residual, Some(target));
             self.resort();
-            self.work.step_cap = BOLD_STEP;
-            self.work.follows = false;
+            (self.work.step_cap, self.work.follows) = (BOLD_STEP, false);
             outcome = relax(&self.model, &mut self.state, &mut self.work);
-            let miss = (self.stress() - Vec3::repeat(target)).amax();
-            if outcome.status == Status::Converged && miss <= STRESS_TOLERANCE * target {
+            if self.is_at(target, &outcome) {
                 return Ok(());
             }
         }

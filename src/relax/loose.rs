@@ -301,6 +301,10 @@ mod tests {
             let mut at = at;
             let here = at(0, 0.0);
             let (force, stiffness) = (here.gradient.amax(), here.hessian.amax());
+            if stiffness == 0.0 {
+                // It floats.
+                continue;
+            }
             let by = 1e-12;
             for k in 0..6 {
                 let (up, down) = (at(k, by), at(k, -by));
