@@ -360,12 +360,12 @@ impl Workspace {
     fn try_settled_step(&mut self, model: &Model, state: &State, bounds: &Bounds, factor: f64) {
         self.go(model, state, factor);
         self.neighbours.refresh(model, &self.trial, bounds);
-        let force = newton::mean_square(&self.balance).sqrt();
+        let aim = newton::LOOSE_AIM * newton::least_loose(model, &self.balance);
         let overlap = self.balance.sums.mean_overlap();
         let Self { neighbours, reference, loose, adjacency, trial, trial_rotation, .. } = self;
         let carries = &state.carries;
         let others = Others { model, neighbours, reference, carries, bounds };
-        self.concave |= loose.settle(&others, adjacency, trial, trial_rotation, force, overlap);
+        self.concave |= loose.settle(&others, adjacency, trial, trial_rotation, aim, overlap);
         self.judge(model, state, bounds);
     }
 

@@ -97,6 +97,12 @@ impl Inertia {
         // A pure number, as masses are stiffnesses: 2/ω, for forces that damping makes larger.
         let dt = SAFE * SQRT_2 / (1.0 + damping).sqrt();
         let cap = model.solver.step_cap;
+        // The masses suit contacts as deep as those there are: one grain that runs much deeper into
+        // another in one step would be thrown back with more energy than it had.
+        let deep = match work.balance.sums.contacts {
+            0 => f64::INFINITY,
+            _ => work.balance.sums.mean_overlap(),
+        };
         let advance = |v: &mut Vec3, gradient: &Vec3, mass: f64, radius: f64| {
             let force = v.zip_map(gradient, |v, g| match () {
                 () if v * g < 0.0 => -g * (1.0 - damping),
@@ -104,7 +110,7 @@ impl Inertia {
                 () => -g,
             });
             *v += force * (dt / mass);
-            let (length, longest) = (v.norm() * dt, cap * radius);
+            let (length, longest) = (v.norm() * dt, deep.min(cap * radius));
             if length > longest {
                 *v *= longest / length;
             }

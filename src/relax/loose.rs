@@ -10,12 +10,10 @@ use crate::contact::hertz;
 use crate::heap;
 use crate::relax::site::{Adjacency, Grip, Others, Press, Site};
 
-/// Unbalanced force at which a grain is left alone, over that of the others.
-const AIM: f64 = 1e-2;
 /// Longest step of a grain over the mean overlap.
 const LONGEST: f64 = 0.1;
 /// Sweeps over the loose grains, and steps of one grain in one of them.
-const SWEEPS: u32 = 3;
+const SWEEPS: u32 = 2;
 const STEPS: u32 = 30;
 /// Least part of a step that is tried.
 const LEAST_FACTOR: f64 = 1.0 / 256.0;
@@ -71,67 +69,96 @@ impl Loose {
         heap::bytes(&self.is_loose) + heap::bytes(&self.grains)
     }
 
-    /// Moves the loose grains in `position` and `rotation` to where their forces balance; `force`
-    /// \[N\] and `overlap` \[m\] are what a grain of the pack is off by and how deep contacts are.
-    /// Says whether one of them met a concave energy.
+    /// Moves the loose grains in `position` and `rotation` to where their unbalanced force is at
+    /// most `aim` \[N\], in steps of a share of `overlap` \[m\]. Says whether one of them met a
+    /// concave energy. Those that one step balances are no longer loose.
     pub(super) fn settle(
         &mut self,
         others: &Others<'_>,
         adjacency: &mut Adjacency,
         position: &mut [Vec3],
         rotation: &mut [Vec3],
-        force: f64,
+        aim: f64,
         overlap: f64,
     ) -> bool {
         if self.grains.is_empty() {
             return false;
         }
         adjacency.refresh(others);
-        let adjacency = &*adjacency;
-        let (aim, longest) = (AIM * force, LONGEST * overlap);
-        let potential = others.model.has_potential();
+        let mut bench = Bench { others, adjacency, position, rotation, aim, overlap };
         let mut concave = false;
-        for _ in 0..SWEEPS {
-            let mut quiet = true;
-            for &i in self.grains.iter().filter(|&&i| others.carries[i as usize]) {
-                let i = i as usize;
-                let place = |position: &[Vec3], rotation: &[Vec3]| {
-                    Local::of(&Site { others, adjacency, position, rotation }, i)
-                };
-                let mut local = place(position, rotation);
-                for _ in 0..STEPS {
-                    if local.unbalanced() <= aim {
-                        break;
-                    }
-                    quiet = false;
-                    let Some(step) = local.step(longest) else { break };
-                    concave |= step.shifted;
-                    let (at, turn) = (position[i], rotation[i]);
-                    let mut factor = 1.0;
-                    let next = loop {
-                        position[i] = at + step.u * factor;
-                        rotation[i] = turn + step.w * (factor / others.model.radius[i]);
-                        let next = place(position, rotation);
-                        if next.is_better(&local, potential) {
-                            break Some(next);
-                        }
-                        factor *= 0.5;
-                        if factor < LEAST_FACTOR {
-                            break None;
-                        }
-                    };
-                    let Some(next) = next else {
-                        (position[i], rotation[i]) = (at, turn);
-                        break;
-                    };
-                    local = next;
-                }
-            }
-            if quiet {
-                break;
+        let Self { is_loose, grains } = self;
+        grains.retain(|&i| {
+            let way = bench.balance(i as usize);
+            concave |= way.concave;
+            is_loose[i as usize] = way.tries > 1;
+            is_loose[i as usize]
+        });
+        for _ in 1..SWEEPS {
+            for &i in &*grains {
+                concave |= bench.balance(i as usize).concave;
             }
         }
         concave
+    }
+}
+
+/// Where single grains are brought to balance.
+struct Bench<'a> {
+    others: &'a Others<'a>,
+    adjacency: &'a Adjacency,
+    position: &'a mut [Vec3],
+    rotation: &'a mut [Vec3],
+    aim: f64,
+    overlap: f64,
+}
+
+/// How a grain came to its balance.
+struct Way {
+    /// Places tried.
+    tries: u32,
+    /// Whether the energy was concave on the way.
+    concave: bool,
+}
+
+impl Bench<'_> {
+    fn local(&self, i: usize) -> Local {
+        let Self { others, adjacency, position, rotation, .. } = self;
+        Local::of(&Site { others, adjacency, position, rotation }, i)
+    }
+
+    /// Brings grain `i` to balance, if it carries load.
+    fn balance(&mut self, i: usize) -> Way {
+        let mut way = Way { tries: 0, concave: false };
+        if !self.others.carries[i] {
+            return way;
+        }
+        let potential = self.others.model.has_potential();
+        let mut local = self.local(i);
+        for _ in 0..STEPS {
+            if local.unbalanced() <= self.aim {
+                break;
+            }
+            let Some(step) = local.step(LONGEST * self.overlap) else { break };
+            way.concave |= step.shifted;
+            let (at, turn) = (self.position[i], self.rotation[i]);
+            let mut factor = 1.0;
+            local = loop {
+                self.position[i] = at + step.u * factor;
+                self.rotation[i] = turn + step.w * (factor / self.others.model.radius[i]);
+                way.tries += 1;
+                let next = self.local(i);
+                if next.is_better(&local, potential) {
+                    break next;
+                }
+                factor *= 0.5;
+                if factor < LEAST_FACTOR {
+                    (self.position[i], self.rotation[i]) = (at, turn);
+                    return way;
+                }
+            };
+        }
+        way
     }
 }
 
@@ -339,11 +366,12 @@ mod tests {
         let (mut position, mut rotation) = (state.position.clone(), state.rotation.clone());
         let mut adjacency = Adjacency::default();
         let others = others(&model, &state, &work, &bounds);
-        loose.settle(&others, &mut adjacency, &mut position, &mut rotation, force, overlap);
+        let aim = 1e-2 * force;
+        loose.settle(&others, &mut adjacency, &mut position, &mut rotation, aim, overlap);
         (state.position, state.rotation) = (position, rotation);
         // The balance of the whole pack, taken by other code, says so too.
         work.evaluate(&model, &state, &bounds);
-        assert!(off(&work) <= AIM * force * 1.001, "{} of {force}", off(&work));
+        assert!(off(&work) <= 1.001 * aim, "{} of {force}", off(&work));
         assert!(work.balance.potential() < before.1);
         for i in (0..model.len()).filter(|&i| i != aside) {
             assert_eq!(state.position[i], before.0.position[i]);

@@ -21,8 +21,10 @@ const LEAP: f64 = 1.0;
 const PATIENCE: u32 = 20;
 /// What whole steps divide the shifts by, without friction; with it they drop them.
 const RELIEF: f32 = 4.0;
-/// With friction a grain is loose whose unbalanced force is this many times the root mean square.
+/// With friction a grain is loose whose unbalanced force is this many times the root mean square,
+/// and this share of that is what is left of it.
 const LOOSE: f64 = 4.0;
+pub(super) const LOOSE_AIM: f64 = 2.5e-3;
 /// With friction every step is damped as if moving by the cap took this share of the root mean
 /// square of the unbalanced forces: groups of grains that nothing holds stay where they are.
 const DAMPING: f64 = 0.03;
@@ -108,7 +110,7 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
         }
         iterations += 1;
         if work.reference.active {
-            find_loose(work);
+            find_loose(model, work);
         }
         work.assemble(model);
         let least = FORCING[usize::from(work.reference.active)];
@@ -134,14 +136,20 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
 }
 
 /// Takes the grains as loose that are much further from their balance than the others.
-fn find_loose(work: &mut Workspace) {
+fn find_loose(model: &Model, work: &mut Workspace) {
     let Workspace { balance, loose, .. } = work;
-    let limit = LOOSE * LOOSE * mean_square(balance);
+    let limit = least_loose(model, balance).powi(2);
     for (i, (force, moment)) in balance.gradient.iter().zip(&balance.moment).enumerate() {
         if force.norm_squared().max(moment.norm_squared()) > limit {
             loose.add(i);
         }
     }
+}
+
+/// Least unbalanced force of a grain that is loose \[N\]; one within the tolerance is not.
+pub(super) fn least_loose(model: &Model, balance: &Balance) -> f64 {
+    let enough = model.solver.tolerance * balance.sums.mean_force();
+    (LOOSE * mean_square(balance).sqrt()).max(enough)
 }
 
 /// Whether a grain that carries load is far from where it started: a shifted step goes downhill,
