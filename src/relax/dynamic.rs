@@ -18,6 +18,9 @@ use mass::Masses;
 
 /// Share of the largest stable time step.
 const SAFE: f64 = 0.9;
+/// Longest step over the mean overlap: two grains that meet come no deeper than contacts are. The
+/// masses suit those; deeper ones would throw grains back with more energy than they had.
+const DEEPEST: f64 = 0.5;
 /// Steps between two looks for masses that may be smaller and for grains that nothing holds.
 const PATIENCE: u32 = 50;
 
@@ -97,11 +100,9 @@ impl Inertia {
         // A pure number, as masses are stiffnesses: 2/ω, for forces that damping makes larger.
         let dt = SAFE * SQRT_2 / (1.0 + damping).sqrt();
         let cap = model.solver.step_cap;
-        // The masses suit contacts as deep as those there are: one grain that runs much deeper into
-        // another in one step would be thrown back with more energy than it had.
-        let deep = match work.balance.sums.contacts {
+        let deepest = match work.balance.sums.contacts {
             0 => f64::INFINITY,
-            _ => work.balance.sums.mean_overlap(),
+            _ => DEEPEST * work.balance.sums.mean_overlap(),
         };
         let advance = |v: &mut Vec3, gradient: &Vec3, mass: f64, radius: f64| {
             let force = v.zip_map(gradient, |v, g| match () {
@@ -110,7 +111,7 @@ impl Inertia {
                 () => -g,
             });
             *v += force * (dt / mass);
-            let (length, longest) = (v.norm() * dt, deep.min(cap * radius));
+            let (length, longest) = (v.norm() * dt, deepest.min(cap * radius));
             if length > longest {
                 *v *= longest / length;
             }
