@@ -199,11 +199,13 @@ impl Balance {
             + heap::bytes(&self.chunk_sums)
     }
 
-    /// Largest unbalanced force of a grain, or moment over radius \[N\].
+    /// Largest unbalanced force of a grain, or moment over radius \[N\]; no number where one is none.
     #[must_use]
     pub fn largest(&self) -> f64 {
         let all = self.gradient.iter().chain(&self.moment);
-        all.map(Vec3::norm_squared).fold(0.0, f64::max).sqrt()
+        all.map(Vec3::norm_squared)
+            .fold(0.0, |most: f64, x| if x > most || x.is_nan() { x } else { most })
+            .sqrt()
     }
 
     /// What the search for the equilibrium descends \[J\].

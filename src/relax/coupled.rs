@@ -251,3 +251,25 @@ enum Order {
     /// Along the direction.
     Descend { alpha: f32 },
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::relax::loose::tests::strained;
+
+    #[test]
+    fn a_solve_does_not_remember_forces_that_were_no_numbers() {
+        let (model, _, mut work) = strained(7);
+        work.shift.resize(model.len(), 0.1);
+        work.assemble(&model);
+        let unit = work.balance.largest();
+        assert_eq!(work.solve(unit, 0.1, 100), Inner::Step);
+        let clean = (work.step.clone(), work.turn.clone());
+        let mut spoilt = work.balance.clone();
+        spoilt.gradient[3] = Vec3::repeat(f64::NAN);
+        assert!(spoilt.largest().is_nan());
+        assert_eq!(work.solve_again(&spoilt, unit, 0.1, 100), Inner::NegativeCurvature);
+        assert_eq!(work.solve(unit, 0.1, 100), Inner::Step);
+        assert!((&work.step, &work.turn) == (&clean.0, &clean.1));
+    }
+}

@@ -254,7 +254,7 @@ impl Local {
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "a test that fails may panic")]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::pack::generate::generate;
     use crate::relax::Workspace;
@@ -264,7 +264,7 @@ mod tests {
 
     /// A pack at 1 MPa whose grains went with the walls since their contacts were taken as the
     /// reference, by so much that some of them slide, and one that was pushed aside.
-    fn strained(aside: usize) -> (crate::model::Model, State, Workspace) {
+    pub(in crate::relax) fn strained(aside: usize) -> (crate::model::Model, State, Workspace) {
         let recipe = Generate {
             grains: 40,
             radius: Radius::Uniform([0.07e-3, 0.13e-3]),

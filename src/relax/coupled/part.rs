@@ -123,8 +123,10 @@ impl Part {
 
     /// Takes -gradient / unit and -moment / unit as the residual.
     pub(super) fn start(&mut self, gradient: &[Vec3], moment: &[Vec3], unit: f64) {
-        self.step.fill(Six::default());
-        self.direction.fill(Six::default());
+        // The products too: those of a step that was refused may be no numbers.
+        for vector in [&mut self.step, &mut self.direction, &mut self.product] {
+            vector.fill(Six::default());
+        }
         let four = |v: &Vec3| {
             let r = v * (-1.0 / unit);
             Four([r.x as f32, r.y as f32, r.z as f32, 0.0])
