@@ -1,7 +1,8 @@
 //! How the work grows with the number of grains: making a pack at 10 MPa, and three uniaxial
-//! increments of 1e-5 and three of 1e-4, frictionless, to a residual of 1e-8.
+//! increments of 1e-5 and three of 1e-4, to a residual of 1e-8.
 //! `cargo bench --bench growth --no-default-features -- 2740 20000 100000` (those are the sizes it
-//! takes of its own accord), on one thread and on two, as a markdown table.
+//! takes of its own accord), on one thread and on two, as a markdown table. With the word
+//! `friction` behind them the contacts have μ = 0.3 once the pack is made.
 //!
 //! Seconds are CPU time of the process, those of the walls' clock beside them; on a machine that
 //! does other things too, compare the counts. The exponent is that of CPU time over grains from
@@ -10,12 +11,12 @@
 
 use std::time::{Duration, Instant};
 
-use graintwin::model::Model;
+use graintwin::model::{Friction, Model};
 use graintwin::pack::Pack;
 use graintwin::pack::generate::generate;
 use graintwin::relax::advance::advance;
 use graintwin::relax::{Workspace, relax};
-use graintwin::scene::{Generate, Material, Radius, Solver, Walls};
+use graintwin::scene::{Coulomb, Generate, Law, Material, Radius, Solver, Update, Walls};
 use graintwin::state::State;
 
 /// Sizes when none is asked for.
@@ -25,6 +26,8 @@ const THREADS: [usize; 2] = [1, 2];
 const STRAINS: [f64; 2] = [1e-5, 1e-4];
 const TIMES: usize = 3;
 const STRESS: f64 = 10e6;
+/// Coefficient where friction is asked for.
+const FRICTION: f64 = 0.3;
 const GLASS: Material = Material { young: 70e9, poisson: 0.2, density: 2420.0, spread: 0.0 };
 
 /// CPU time and that of the walls' clock \[s\].
@@ -60,13 +63,14 @@ struct Run {
 
 fn main() {
     let asked: Vec<usize> = std::env::args().filter_map(|arg| arg.parse().ok()).collect();
+    let friction = if std::env::args().any(|arg| arg == "friction") { FRICTION } else { 0.0 };
     let sizes = if asked.is_empty() { SIZES.to_vec() } else { asked };
     let mut runs = Vec::new();
     println!("{}", header());
     for threads in THREADS {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         for &grains in &sizes {
-            let run = pool.install(|| take(grains, threads));
+            let run = pool.install(|| take(grains, threads, friction));
             for line in lines(&run) {
                 println!("{line}");
             }
@@ -93,7 +97,7 @@ fn main() {
     }
 }
 
-fn take(grains: usize, threads: usize) -> Run {
+fn take(grains: usize, threads: usize, friction: f64) -> Run {
     let spec = Generate {
         grains,
         radius: Radius::Uniform([0.07e-3, 0.13e-3]),
@@ -104,15 +108,18 @@ fn take(grains: usize, threads: usize) -> Run {
         expand_floaters: 0,
     };
     let (pack, made) = timed(|| {
-        generate(&spec, &GLASS, &Walls::default(), 0.0, Solver::default()).expect("a pack")
+        generate(&spec, &GLASS, &Walls::default(), friction, Solver::default()).expect("a pack")
     });
-    let (increments, bytes, bits) = strain(&pack);
+    let (increments, bytes, bits) = strain(&pack, friction);
     Run { grains, threads, made, increments, bytes, bits }
 }
 
 /// The increments, bytes of state and scratch after them, and the bits of the positions.
-fn strain(pack: &Pack) -> ([Vec<Increment>; 2], usize, u64) {
-    let model = Model::with(pack, &Walls::default(), [0.0; 3], Solver::default(), None);
+fn strain(pack: &Pack, friction: f64) -> ([Vec<Increment>; 2], usize, u64) {
+    let walls = Walls::default();
+    let mut model = Model::with(pack, &walls, [0.0; 3], Solver::default(), None);
+    let coulomb = Coulomb { coefficient: friction, law: Law::ReturnMap, update: Update::Frozen };
+    model.friction = Friction::new(&model.grains, &walls, &coulomb, true);
     let mut state = State::new(&model);
     let mut work = Workspace::new(&model);
     let mut here = relax(&model, &mut state, &mut work);

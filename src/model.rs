@@ -15,7 +15,7 @@ const STREAMS: usize = 4;
 /// Least grains of a part: what is gained on a second core must be more than the separators cost.
 const PART: usize = 5000;
 /// Most parts.
-const MOST_PARTS: usize = 8;
+pub(crate) const MOST_PARTS: usize = 8;
 
 /// Constants of a specimen. Arrays have one entry a grain, in the solver's order.
 #[derive(Clone, Debug)]

@@ -4,17 +4,23 @@
 //! parts must have come: too short to put threads to sleep and to wake them each time. So a crew
 //! stays awake for the whole solve. Its members take parts as they come; who is late, or never
 //! comes, finds less to do, and nobody waits for him.
+//!
+//! The ticket alone says who may touch what. The locks tell the compiler so; none of them is ever
+//! waited for.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use std::thread;
+
+use crate::model::MOST_PARTS;
 
 /// Looks for work before a member lets other programs run between two looks.
 const PATIENCE: u32 = 1000;
 
 /// The parts and what is to be done with them.
 pub(super) struct Crew<'a, P, O, W> {
-    parts: Vec<Mutex<&'a mut P>>,
+    parts: [Option<Mutex<&'a mut P>>; MOST_PARTS],
+    count: usize,
     work: W,
     order: Mutex<O>,
     /// Number of the order in the upper half, of the next part to be taken in the lower.
@@ -24,7 +30,8 @@ pub(super) struct Crew<'a, P, O, W> {
     dismissed: AtomicBool,
 }
 
-/// Calls `lead` with a crew of as many threads as there are and as can find a part to do `work` on.
+/// Calls `lead` with a crew for `parts`, at most [`MOST_PARTS`], of as many threads as there are
+/// and as can find a part to do `work` on.
 pub(super) fn together<'a, P, O, W, R>(
     parts: &'a mut [P],
     first: O,
@@ -37,14 +44,17 @@ where
     W: Fn(&mut P, O) + Sync + Send,
     R: Send,
 {
-    let members = match parts.len() {
+    let count = parts.len();
+    debug_assert!(count <= MOST_PARTS);
+    let members = match count {
         1 => 1,
         several => several.min(rayon::current_num_threads()),
     };
-    let parts: Vec<_> = parts.iter_mut().map(Mutex::new).collect();
+    let mut parts = parts.iter_mut().map(Mutex::new);
     let crew = Crew {
-        ticket: AtomicU64::new(parts.len() as u64),
-        parts,
+        ticket: AtomicU64::new(count as u64),
+        parts: std::array::from_fn(|_| parts.next()),
+        count,
         work,
         order: Mutex::new(first),
         done: AtomicUsize::new(0),
@@ -72,14 +82,14 @@ impl<'a, P, O: Copy, W: Fn(&mut P, O)> Crew<'a, P, O, W> {
         self.ticket.store((number + 1) << 32, Ordering::Release);
         while self.work_on_one() {}
         let mut looks = 0;
-        while self.done.load(Ordering::Acquire) < self.parts.len() {
+        while self.done.load(Ordering::Acquire) < self.count {
             look_again(&mut looks);
         }
     }
 
     /// The parts, between two orders.
     pub(super) fn parts(&self) -> impl Iterator<Item = MutexGuard<'_, &'a mut P>> {
-        self.parts.iter().map(lock)
+        self.parts.iter().flatten().map(lock)
     }
 
     /// Carries out orders until there are no more to come.
@@ -97,9 +107,7 @@ impl<'a, P, O: Copy, W: Fn(&mut P, O)> Crew<'a, P, O, W> {
     fn work_on_one(&self) -> bool {
         let ticket = self.ticket.load(Ordering::Acquire);
         let part = (ticket & u64::from(u32::MAX)) as usize;
-        if part >= self.parts.len() {
-            return false;
-        }
+        let Some(Some(part)) = self.parts.get(part) else { return false };
         // As long as a part is left the order stands. If it went while the order was read, and
         // perhaps another came, the ticket is not the same any more.
         let order = *lock(&self.order);
@@ -110,7 +118,7 @@ impl<'a, P, O: Copy, W: Fn(&mut P, O)> Crew<'a, P, O, W> {
             let _done = OnDrop(|| {
                 self.done.fetch_add(1, Ordering::Release);
             });
-            (self.work)(*lock(&self.parts[part]), order);
+            (self.work)(*lock(part), order);
         }
         true
     }
