@@ -4,7 +4,7 @@
 //! The thesis starts from a settled sediment of another code; here the loose state is random
 //! points in a box a little too small for them. They are pushed apart, and then grains and box
 //! move under the stress asked for, against a weak drag, until hardly anything moves
-//! ([`cool`](crate::relax::cool)). Newton's method ends in the equilibrium.
+//! ([`cool`]). Newton's method ends in the equilibrium.
 //!
 //! A low stress is come to from above: near jamming nearly every grain is about to rearrange, and
 //! a pack that comes to rest there takes long. It cools where its overlaps are two thousandths of
