@@ -86,6 +86,12 @@ impl Twin {
         })
     }
 
+    /// Threads that it works on.
+    #[must_use]
+    pub fn threads(&self) -> usize {
+        self.pool.current_num_threads()
+    }
+
     /// Relaxes the pack as it was given: increment 0. The report tells whether it was in
     /// equilibrium; when none is found the disposition is [`Disposition::NotConverged`].
     pub fn start(&mut self, demand: Demand) -> Report {

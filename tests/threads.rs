@@ -68,6 +68,7 @@ fn run_in(
     path: &[[f64; 3]],
 ) -> (Vec<String>, Vec<u64>) {
     let mut twin = Twin::new(scene, pack, threads).unwrap();
+    assert_eq!(twin.threads(), threads);
     let mut reports = vec![said(&twin.start(Demand::ALL))];
     for (sequence, strain) in (1..).zip(path) {
         let command = absolute(sequence, by_strain(&pack.bounds, *strain));

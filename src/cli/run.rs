@@ -72,7 +72,7 @@ pub(super) fn run(args: &Args, cli: &Cli, bars: &MultiProgress) -> Result<Outcom
     let stop = stop::on_signal()?;
     tracing::info!("{} commands for {} grains", commands.len(), pack.grains.len());
     #[cfg(feature = "mcap")]
-    let mut recording = start_recording(args, &loaded, pack, cli.threads())?;
+    let mut recording = start_recording(args, &loaded, pack, twin.threads())?;
 
     #[cfg(feature = "ros")]
     let mut link = match args.ros {
