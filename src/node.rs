@@ -16,16 +16,17 @@
 //!
 //! ```no_run
 //! # use std::sync::{Arc, atomic::AtomicBool};
-//! # use graintwin::{command::Command, node::Node, report::Demand, scene, sink::{Served, Sink}};
+//! # use graintwin::{command::request::Intake, node::Node, report::Demand, scene};
+//! # use graintwin::sink::{Served, Sink};
 //! # fn run(
 //! #     scene: &scene::Scene,
-//! #     serve: fn(&Command, Demand) -> Arc<Served>,
+//! #     serve: fn(&Intake, Demand) -> Arc<Served>,
 //! # ) -> Result<(), graintwin::node::NodeError> {
 //! let stop = Arc::new(AtomicBool::new(false)); // raised by SIGINT and SIGTERM
 //! let mut node = Node::start(&scene.node, &scene.outputs, &stop)?;
 //! let mut sink = node.sink();
-//! for command in node.commands() {
-//!     sink.served(&serve(&command, sink.demand()));
+//! for intake in node.commands() {
+//!     sink.served(&serve(&intake, sink.demand()));
 //! }
 //! let summary = node.stop();
 //! # Ok(()) }
@@ -52,7 +53,7 @@ use tokio::time::{sleep, timeout};
 pub use commands::{Commands, EndOfCommands};
 use counters::Counters;
 pub use counters::Summary;
-use endpoints::Endpoints;
+use endpoints::{Endpoints, Subscriptions};
 pub use outbox::NodeSink;
 use outbox::{Item, Outbox};
 
@@ -157,7 +158,7 @@ impl Node {
     ) -> Result<Self, NodeError> {
         let context = participant::join(options)?;
         let (ros_node, spinner) = create(&context, topics::NODE)?;
-        let (endpoints, subscription) = Endpoints::new(ros_node)?;
+        let (endpoints, subscriptions) = Endpoints::new(ros_node)?;
         let endpoints = Arc::new(endpoints);
         let runtime = Builder::new_multi_thread()
             .worker_threads(THREADS)
@@ -168,9 +169,14 @@ impl Node {
 
         let spinner = runtime.spawn(spin(spinner));
         let (commands_in, commands_out) = mpsc::channel(commands::WAITING);
-        let receiving =
-            runtime.spawn(commands::receive(subscription, commands_in, Arc::clone(&counters)));
-        let end_of_commands = EndOfCommands(receiving.abort_handle());
+        let Subscriptions { commands, targets } = subscriptions;
+        let (queue, count) = (commands_in.clone(), Arc::clone(&counters));
+        let receiving = [
+            runtime.spawn(commands::receive(commands, queue, count)),
+            runtime.spawn(commands::receive(targets, commands_in, Arc::clone(&counters))),
+        ];
+        let end_of_commands =
+            EndOfCommands(receiving.iter().map(JoinHandle::abort_handle).collect());
         let stopping = runtime.spawn(end_when_stopped(Arc::clone(stop), end_of_commands.clone()));
         let (frames_in, frames_out) = mpsc::unbounded_channel();
         let pacing =
@@ -191,7 +197,7 @@ impl Node {
             counters,
             outputs: *outputs,
             stop: Arc::clone(stop),
-            tasks: vec![receiving, stopping, pacing, publishing],
+            tasks: receiving.into_iter().chain([stopping, pacing, publishing]).collect(),
             spinner,
             endpoints,
             runtime,

@@ -155,27 +155,27 @@ impl Twin {
             text: String::new(),
             measures: None,
         };
-        let target = match self.gate.decide(command) {
-            Decision::Serve(target, text) => {
+        let setpoint = match self.gate.decide(command) {
+            Decision::Serve(setpoint, text) => {
                 report.text = text;
-                target
+                setpoint
             }
             Decision::Repeat => return self.repeat(report),
             Decision::Refuse(disposition, text) => {
                 if disposition == Disposition::Limit {
-                    self.gate.served(command, None, &report);
+                    self.gate.served(command, None, self.state.displacement, &report);
                 }
                 return Report { disposition, text, ..report };
             }
         };
         let here = self.outcome;
         let Self { model, state, work, pool, .. } = self;
-        let reached = pool.install(|| advance(model, state, work, &target, here));
+        let reached = pool.install(|| advance(model, state, work, &setpoint, here));
         report.substeps = reached.substeps;
         if !reached.outcome.status.is_equilibrium() {
             report.disposition = Disposition::NotConverged;
             report.text = self.explain(&reached.outcome);
-            self.gate.served(command, None, &report);
+            self.gate.served(command, None, self.state.displacement, &report);
             return report;
         }
         self.outcome = reached.outcome;
@@ -187,7 +187,7 @@ impl Twin {
         for jump in &reached.jumps {
             report.text = join(&report.text, &tell(jump));
         }
-        self.gate.served(command, Some(target), &report);
+        self.gate.served(command, Some(setpoint), self.state.displacement, &report);
         report.measures = Some(self.measure(command.stamp, &reached, demand));
         report
     }

@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::NodeError;
 use crate::msg::{
     BoundaryCommand, ContactNetwork, Event, JointState, Moduli, PackState, Report, Topic,
-    WallForces, WrenchStamped, topics,
+    WallForces, WallTargets, WrenchStamped, topics,
 };
 use crate::wall;
 
@@ -39,12 +39,21 @@ pub(super) struct Out<M: Serialize> {
     topic: &'static Topic,
 }
 
+/// What the node subscribes to.
+pub(super) struct Subscriptions {
+    pub commands: Subscription<BoundaryCommand>,
+    pub targets: Subscription<WallTargets>,
+}
+
 impl Endpoints {
     /// Makes every endpoint of `node`. All of them exist before anything asks who is matched:
     /// asking while others are made has been seen to deadlock.
-    pub(super) fn new(mut node: Node) -> Result<(Self, Subscription<BoundaryCommand>), NodeError> {
+    pub(super) fn new(mut node: Node) -> Result<(Self, Subscriptions), NodeError> {
         let [x_min, x_max, y_min, y_max, z_min, z_max] = &topics::WALL_WRENCH;
-        let commands = subscribe(&mut node, &topics::BOUNDARY_COMMAND)?;
+        let subscriptions = Subscriptions {
+            commands: subscribe(&mut node, &topics::BOUNDARY_COMMAND)?,
+            targets: subscribe(&mut node, &topics::WALL_TARGETS)?,
+        };
         let endpoints = Self {
             wall_forces: Out::new(&mut node, &topics::WALL_FORCES)?,
             wrenches: [
@@ -63,7 +72,7 @@ impl Endpoints {
             report: Out::new(&mut node, &topics::REPORT)?,
             node,
         };
-        Ok((endpoints, commands))
+        Ok((endpoints, subscriptions))
     }
 
     /// Whether somebody subscribed to any topic.

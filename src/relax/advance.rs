@@ -8,7 +8,7 @@ use crate::relax::tangential::Changes;
 use crate::relax::{Outcome, Status, Workspace, accuracy, newton, relax};
 use crate::scene::{Method, Update};
 use crate::state::State;
-use crate::wall;
+use crate::wall::{self, Control, Setpoint};
 
 /// A sub-increment is never smaller than this share of `solver.max_strain_increment`, so that
 /// decompression passes the point where the overlaps vanish.
@@ -48,9 +48,13 @@ pub fn advance(
     model: &Model,
     state: &mut State,
     work: &mut Workspace,
-    target: &[f64; wall::COUNT],
+    setpoint: &Setpoint,
     here: Outcome,
 ) -> Advance {
+    let target = &std::array::from_fn(|w| match setpoint[w] {
+        Control::Displacement(displacement) => displacement,
+        Control::Load(_) => state.displacement[w],
+    });
     let start = state.clone();
     let mut last = state.clone();
     let mut so_far = Advance {
