@@ -42,7 +42,7 @@ pub use outputs::{Markers, ModuliKind, Outputs, When};
 pub use pack::{Generate, PackSource, Radius};
 pub use record::{Compression, Record};
 pub use rig_log::{Lateral, RigLog, StrainUnit};
-pub use solver::{Method, Solver};
+pub use solver::{MAX_STRAIN_INCREMENT, Method, Solver, TOLERANCE};
 pub use walls::Walls;
 
 /// A whole scene.

@@ -9,6 +9,7 @@ use ros2_client::{
 use serde::Serialize;
 
 use super::NodeError;
+use super::names::Identity;
 use crate::msg::{
     BoundaryCommand, ContactNetwork, Event, JointState, Moduli, PackState, Report, Topic,
     WallForces, WrenchStamped, topics,
@@ -36,31 +37,35 @@ pub(super) struct Endpoints {
 /// A publisher and the topic it publishes on.
 pub(super) struct Out<M: Serialize> {
     publisher: Publisher<M>,
-    topic: &'static Topic,
+    /// Full name of the topic.
+    name: String,
 }
 
 impl Endpoints {
     /// Makes every endpoint of `node`. All of them exist before anything asks who is matched:
     /// asking while others are made has been seen to deadlock.
-    pub(super) fn new(mut node: Node) -> Result<(Self, Subscription<BoundaryCommand>), NodeError> {
+    pub(super) fn new(
+        mut node: Node,
+        identity: &Identity,
+    ) -> Result<(Self, Subscription<BoundaryCommand>), NodeError> {
         let [x_min, x_max, y_min, y_max, z_min, z_max] = &topics::WALL_WRENCH;
-        let commands = subscribe(&mut node, &topics::BOUNDARY_COMMAND)?;
+        let commands = subscribe(&mut node, identity, &topics::BOUNDARY_COMMAND)?;
         let endpoints = Self {
-            wall_forces: Out::new(&mut node, &topics::WALL_FORCES)?,
+            wall_forces: Out::new(&mut node, identity, &topics::WALL_FORCES)?,
             wrenches: [
-                Out::new(&mut node, x_min)?,
-                Out::new(&mut node, x_max)?,
-                Out::new(&mut node, y_min)?,
-                Out::new(&mut node, y_max)?,
-                Out::new(&mut node, z_min)?,
-                Out::new(&mut node, z_max)?,
+                Out::new(&mut node, identity, x_min)?,
+                Out::new(&mut node, identity, x_max)?,
+                Out::new(&mut node, identity, y_min)?,
+                Out::new(&mut node, identity, y_max)?,
+                Out::new(&mut node, identity, z_min)?,
+                Out::new(&mut node, identity, z_max)?,
             ],
-            wall_states: Out::new(&mut node, &topics::WALL_STATES)?,
-            state: Out::new(&mut node, &topics::STATE)?,
-            moduli: Out::new(&mut node, &topics::MODULI)?,
-            contact_network: Out::new(&mut node, &topics::CONTACT_NETWORK)?,
-            events: Out::new(&mut node, &topics::EVENTS)?,
-            report: Out::new(&mut node, &topics::REPORT)?,
+            wall_states: Out::new(&mut node, identity, &topics::WALL_STATES)?,
+            state: Out::new(&mut node, identity, &topics::STATE)?,
+            moduli: Out::new(&mut node, identity, &topics::MODULI)?,
+            contact_network: Out::new(&mut node, identity, &topics::CONTACT_NETWORK)?,
+            events: Out::new(&mut node, identity, &topics::EVENTS)?,
+            report: Out::new(&mut node, identity, &topics::REPORT)?,
             node,
         };
         Ok((endpoints, commands))
@@ -80,12 +85,18 @@ impl Endpoints {
 }
 
 impl<M: Serialize> Out<M> {
-    pub(super) fn new(node: &mut Node, topic: &'static Topic) -> Result<Self, NodeError> {
-        let (dds_topic, qos) = create_topic(node, topic)?;
+    /// A publisher of `node` on a topic of the node `identity`.
+    pub(super) fn new(
+        node: &mut Node,
+        identity: &Identity,
+        topic: &Topic,
+    ) -> Result<Self, NodeError> {
+        let name = live_name(identity, topic);
+        let (dds_topic, qos) = create_topic(node, &name, topic)?;
         let publisher = node
             .create_publisher(&dds_topic, Some(qos))
-            .map_err(|error| endpoint_error(topic, &error))?;
-        Ok(Self { publisher, topic })
+            .map_err(|error| endpoint_error(&name, &error))?;
+        Ok(Self { publisher, name })
     }
 
     /// Whether somebody subscribed.
@@ -106,7 +117,7 @@ impl<M: Serialize> Out<M> {
                 Ok(()) => return true,
                 Err(WriteError::WouldBlock { data }) => message = data,
                 Err(error) => {
-                    tracing::error!("a message on {} is lost: {error}", self.topic.recorded_name());
+                    tracing::error!("a message on {} is lost: {error}", self.name);
                     return false;
                 }
             }
@@ -114,18 +125,26 @@ impl<M: Serialize> Out<M> {
     }
 }
 
-/// A subscription of `node`.
+/// A subscription of `node` to a topic of the node `identity`.
 pub(super) fn subscribe<M: 'static>(
     node: &mut Node,
-    topic: &'static Topic,
+    identity: &Identity,
+    topic: &Topic,
 ) -> Result<Subscription<M>, NodeError> {
-    let (dds_topic, qos) = create_topic(node, topic)?;
-    node.create_subscription(&dds_topic, Some(qos)).map_err(|error| endpoint_error(topic, &error))
+    let name = live_name(identity, topic);
+    let (dds_topic, qos) = create_topic(node, &name, topic)?;
+    node.create_subscription(&dds_topic, Some(qos)).map_err(|error| endpoint_error(&name, &error))
+}
+
+/// The full name of a topic on the network.
+fn live_name(identity: &Identity, topic: &Topic) -> String {
+    identity.resolve(&format!("~/{}", topic.name))
 }
 
 fn create_topic(
     node: &Node,
-    topic: &'static Topic,
+    name: &str,
+    topic: &Topic,
 ) -> Result<(dds::rustdds::Topic, QosProfile), NodeError> {
     let durability = match topic.qos.durability {
         topics::Durability::Volatile => Durability::Volatile,
@@ -136,14 +155,13 @@ fn create_topic(
         .reliability_reliable(WhenFull::Wait(ATTEMPT))
         .durability(durability)
         .history(History::KeepLast { depth: topic.qos.depth as usize });
-    let name =
-        Name::parse(&topic.recorded_name()).map_err(|error| endpoint_error(topic, &error))?;
+    let parsed = Name::parse(name).map_err(|error| endpoint_error(name, &error))?;
     let kind = MessageTypeName::new(topic.kind.package, topic.kind.name);
     let dds_topic =
-        node.create_topic(&name, kind, &qos).map_err(|error| endpoint_error(topic, &error))?;
+        node.create_topic(&parsed, kind, &qos).map_err(|error| endpoint_error(name, &error))?;
     Ok((dds_topic, qos))
 }
 
-fn endpoint_error(topic: &Topic, error: &dyn std::error::Error) -> NodeError {
-    NodeError::Endpoint { topic: topic.recorded_name(), reason: error.to_string() }
+pub(super) fn endpoint_error(name: &str, error: &dyn std::error::Error) -> NodeError {
+    NodeError::Endpoint { topic: name.into(), reason: error.to_string() }
 }
