@@ -30,7 +30,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use graintwin::command::{Command, Mode, Stamp};
 use graintwin::msg::{self, topics};
 use graintwin::node::rig::Rig;
-use graintwin::node::{Node, Summary};
+use graintwin::node::{Identity, Node, Setup, Summary};
 use graintwin::report::Demand;
 use graintwin::scene::{self, Outputs, When};
 use graintwin::sink::{Served, Sink};
@@ -53,7 +53,7 @@ fn serve(mut node: Node, mut twin: MadeUpTwin) -> (Vec<Arc<Served>>, Summary) {
 }
 
 fn start(outputs: &Outputs, stop: &Arc<AtomicBool>) -> Node {
-    Node::start(&scene::Node::default(), outputs, stop).unwrap()
+    Node::start(&scene::Node::default(), Setup::default(), outputs, stop).unwrap()
 }
 
 fn flag() -> Arc<AtomicBool> {
@@ -91,9 +91,14 @@ fn the_virtual_rig_plays_its_path_over_a_plain_loopback_and_ends_the_run() {
             let stop = flag();
             let node = start(&Outputs::default(), &stop);
             let path = path(2000);
-            let rig =
-                Rig::start(&scene::Node::default(), path.clone(), node.end_of_commands(), &stop)
-                    .unwrap();
+            let rig = Rig::start(
+                &scene::Node::default(),
+                &Identity::default(),
+                path.clone(),
+                node.end_of_commands(),
+                &stop,
+            )
+            .unwrap();
             let (served, summary) = serve(node, MadeUpTwin::new(100));
             let played = rig.join().unwrap();
             println!("{played:?} {summary:?}");
@@ -190,9 +195,14 @@ fn sigterm_ends_a_node_in_the_middle_of_its_work() {
         let raise = Arc::clone(&stop);
         ctrlc::set_handler(move || raise.store(true, Ordering::Relaxed)).unwrap();
         let mut node = start(&Outputs::default(), &stop);
-        let rig =
-            Rig::start(&scene::Node::default(), path(1_000_000), node.end_of_commands(), &stop)
-                .unwrap();
+        let rig = Rig::start(
+            &scene::Node::default(),
+            &Identity::default(),
+            path(1_000_000),
+            node.end_of_commands(),
+            &stop,
+        )
+        .unwrap();
         let mut sink = node.sink();
         let mut twin = MadeUpTwin::new(100);
         sink.served(&twin.start(sink.demand()));

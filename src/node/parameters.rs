@@ -39,7 +39,7 @@ pub enum Refusal {
         name: &'static str,
     },
     /// A value of another type.
-    #[error("{name} is a {needed}, not a {found}{}", hint(*.needed, *.found))]
+    #[error("{name} is of type {needed}, not {found}{}", hint(*.needed, *.found))]
     Kind {
         /// Its name.
         name: &'static str,

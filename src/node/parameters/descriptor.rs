@@ -67,7 +67,7 @@ pub struct Fixed {
 
 impl Fixed {
     pub(super) fn of(scene: &Scene, threads: usize) -> Self {
-        let seed = scene.pack.generate.as_ref().map_or(0, |generate| generate.seed);
+        let seed = scene.pack.generate.as_ref().map_or(scene.pack.seed, |generate| generate.seed);
         Self {
             scene: scene.name.clone(),
             method: scene.solver.method.name(),
@@ -170,7 +170,7 @@ static ALL: [Descriptor; 15] = [
     },
     Descriptor {
         name: "seed",
-        description: "Seed that the pack was made from; 0 when it comes from a file",
+        description: "Seed that the pack was made with",
         field: Field::Count(|fixed| fixed.seed),
     },
     Descriptor {

@@ -43,7 +43,7 @@ impl fmt::Display for Kind {
         ];
         match names.get(usize::from(self.0)) {
             Some(name) => to.write_str(name),
-            None => write!(to, "value of the unknown type {}", self.0),
+            None => write!(to, "unknown ({})", self.0),
         }
     }
 }
