@@ -11,7 +11,7 @@ use std::process::Command;
 
 use graintwin::node::Identity;
 use graintwin::node::args::{self, Severity};
-use graintwin::node::parameters::{Parameters, all, overrides};
+use graintwin::node::parameters::{Descriptor, Parameters, all, overrides};
 use graintwin::scene;
 use roxmltree::{Document, Node};
 
@@ -173,7 +173,7 @@ fn the_default_file_names_every_parameter_that_can_be_set_with_its_default() {
     let text = fs::read_to_string(&file).unwrap();
     let (head, body) = text.split_once("/**:").unwrap();
     assert!(head.lines().all(|line| line.starts_with('#')));
-    let all_set = format!("/**:{}", body.replace("    # ", "    "));
+    let all_set = format!("/**:{}", body.replace("\n    # ", "\n    "));
     let values = overrides::parse_file(&all_set, &file, "/n").unwrap();
     let mut named: Vec<&str> = values.iter().map(|value| value.name.as_str()).collect();
     named.sort_unstable();
@@ -183,5 +183,22 @@ fn the_default_file_names_every_parameter_that_can_be_set_with_its_default() {
     let defaults = store();
     for value in &values {
         assert_eq!(defaults.get(&value.name).as_ref(), Some(&value.value), "{}", value.name);
+    }
+}
+
+#[test]
+fn the_documentation_names_every_parameter_with_its_type() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/ros.md");
+    let text = fs::read_to_string(file).unwrap();
+    let table = text.split_once("## Parameters").unwrap().1.split_once("\n## ").unwrap().0;
+    let rows: Vec<&str> = table.lines().filter(|line| line.starts_with("| `")).collect();
+    let start = |one: &Descriptor| {
+        let read_only = if one.read_only() { ", read-only" } else { "" };
+        format!("| `{}` | {}{read_only} |", one.name, one.kind())
+    };
+    let expected: Vec<String> = all().iter().map(start).collect();
+    assert_eq!(rows.len(), expected.len());
+    for (row, expected) in rows.iter().zip(&expected) {
+        assert!(row.starts_with(expected), "{row}: {expected}");
     }
 }
