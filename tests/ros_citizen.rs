@@ -16,6 +16,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus};
 
+use graintwin::command::Disposition;
 use network::{Loopback, alone};
 use serde_json::{Value, json};
 
@@ -94,13 +95,17 @@ fn a_renamed_node_obeys_its_topics_and_its_parameters_answer_a_cyclone_peer() {
                 .unwrap();
             assert!(peer.wait().unwrap().success());
             let ended = program.terminate();
-            assert!(ended.success(), "{ended}");
+            assert_eq!(ended.code(), Some(3), "a command was refused");
 
             let told: Value =
                 serde_json::from_str(&fs::read_to_string(folder.join("told.json")).unwrap())
                     .unwrap();
             println!("{told:#}");
-            assert_eq!(told["report"]["disposition"], json!(0), "{}", told["report"]);
+            let reports = told["reports"].as_array().unwrap();
+            let (old, new) = (&reports[0], &reports[1]);
+            assert_eq!(old["disposition"], json!(Disposition::Stale as u8));
+            assert!(old["text"].as_str().unwrap().contains("at most 7.5 s are allowed"));
+            assert_eq!(new["disposition"], json!(Disposition::Applied as u8), "{new}");
             parameters_are_told(&told);
             sets_are_refused_or_taken(&told);
             let record = &told["rosout"][0];

@@ -266,15 +266,17 @@ def main():
     time.sleep(0.8)
 
     told = {}
-    commands.write(
-        BoundaryCommand(Header(Time(1, 0), "pack"), "citizen", 1, 0, [0.0, 0.0, 0.0, 0.0, 1e-8, 0.0])
-    )
+    # Of 1970, and of now.
+    for sequence, stamp in enumerate((Time(1, 0), Time(int(time.time()), 0)), start=1):
+        displacement = [0.0, 0.0, 0.0, 0.0, 1e-8, 0.0]
+        header = Header(stamp, "pack")
+        commands.write(BoundaryCommand(header, "citizen", sequence, 0, displacement))
 
-    def answered():
+    def answers():
         return [one for one in reports.take() if one.session == "citizen"]
 
-    wait_for("the report", answered)
-    told["report"] = plain(answered()[0])
+    wait_for("the reports", lambda: len(answers()) == 2)
+    told["reports"] = [plain(one) for one in answers()]
 
     call = {name: client.call for name, client in clients.items()}
     names = ["scene", "stale_after", "merge", "no_such"]
