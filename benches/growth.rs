@@ -18,6 +18,7 @@ use graintwin::relax::advance::advance;
 use graintwin::relax::{Workspace, relax};
 use graintwin::scene::{Coulomb, Generate, Law, Material, Radius, Solver, Update, Walls};
 use graintwin::state::State;
+use graintwin::wall::standing;
 
 /// Sizes when none is asked for.
 const SIZES: [usize; 3] = [2_740, 20_000, 100_000];
@@ -128,7 +129,8 @@ fn strain(pack: &Pack, friction: f64) -> ([Vec<Increment>; 2], usize, u64) {
         let increment = |_| {
             target[5] += strain * model.start.sides()[2];
             let before = work.effort();
-            let (done, spent) = timed(|| advance(&model, &mut state, &mut work, &target, here));
+            let (done, spent) =
+                timed(|| advance(&model, &mut state, &mut work, &standing(&target), here));
             here = done.outcome;
             let after = work.effort();
             Increment {

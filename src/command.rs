@@ -1,10 +1,11 @@
 //! What a rig asks of the twin, and what became of it.
 
 pub mod gate;
+pub mod request;
 
 use serde::{Deserialize, Serialize};
 
-use crate::wall;
+use crate::wall::{self, WallTarget};
 
 /// A point in time as ROS 2 writes it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -69,7 +70,34 @@ impl From<Mode> for u8 {
     }
 }
 
-/// One boundary command.
+/// What a command asks of the walls.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Ask {
+    /// An inward displacement of every wall \[m\]; walls under a load keep it. This is
+    /// `graintwin_msgs/BoundaryCommand`.
+    Displacement([f64; wall::COUNT]),
+    /// A target of each wall. This is `graintwin_msgs/WallTargets`.
+    Targets([WallTarget; wall::COUNT]),
+}
+
+impl Ask {
+    /// Its six numbers \[m, N or Pa\], 0 for a wall that does what it did.
+    #[must_use]
+    pub fn numbers(&self) -> [f64; wall::COUNT] {
+        self.targets().map(|target| target.numbers().1)
+    }
+
+    /// The targets of the walls that it moves.
+    #[must_use]
+    pub fn targets(&self) -> [WallTarget; wall::COUNT] {
+        match self {
+            Self::Displacement(displacement) => displacement.map(WallTarget::Displacement),
+            Self::Targets(targets) => *targets,
+        }
+    }
+}
+
+/// One command.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Command {
     /// When the rig measured or issued it.
@@ -80,8 +108,8 @@ pub struct Command {
     pub sequence: u64,
     /// Absolute or incremental.
     pub mode: Mode,
-    /// Inward displacement of each wall \[m\].
-    pub displacement: [f64; wall::COUNT],
+    /// What it asks of the walls.
+    pub ask: Ask,
     /// How old it was when it arrived, by the wall clock against its stamp \[s\]; `None` when
     /// nothing says so, as for a command from a file. It is no part of what the rig asked: a
     /// recording does not hold it.

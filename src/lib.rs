@@ -24,7 +24,7 @@
 //! # A grain between walls
 //!
 //! ```
-//! use graintwin::command::{Command, Disposition, Mode, Stamp};
+//! use graintwin::command::{Ask, Command, Disposition, Mode, Stamp};
 //! use graintwin::pack::{Grain, Pack};
 //! use graintwin::report::Demand;
 //! use graintwin::twin::Twin;
@@ -36,8 +36,8 @@
 //! let mut twin = Twin::new(&scene, &Pack { bounds, grains: vec![grain], history: None }, 1)?;
 //! twin.start(Demand::ALL);
 //! let session = String::from("example");
-//! let displacement = [0.0, 0.0, 0.0, 0.0, 1e-6, 1e-6]; // z_min and z_max, inwards [m]
-//! let command = Command { stamp: Stamp::default(), session, sequence: 1, mode: Mode::Absolute, displacement, age: None };
+//! let ask = Ask::Displacement([0.0, 0.0, 0.0, 0.0, 1e-6, 1e-6]); // z_min and z_max, inwards [m]
+//! let command = Command { stamp: Stamp::default(), session, sequence: 1, mode: Mode::Absolute, ask, age: None };
 //! let report = twin.apply(&command, Demand::ALL);
 //! assert_eq!(report.disposition, Disposition::Applied);
 //! let force = report.measures.ok_or("served")?.walls.normal_force[5];

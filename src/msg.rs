@@ -17,7 +17,7 @@ pub mod standard;
 pub mod topics;
 
 pub use graintwin::{
-    BoundaryCommand, ContactNetwork, Event, Moduli, PackState, Report, WallForces,
+    BoundaryCommand, ContactNetwork, Event, Moduli, PackState, Report, WallForces, WallTargets,
 };
 pub use schema::{Described, MessageType};
 pub use standard::{Header, JointState, Time, Vector3, Wrench, WrenchStamped};

@@ -16,24 +16,24 @@
 //!
 //! ```no_run
 //! # use std::sync::{Arc, atomic::AtomicBool};
-//! # use graintwin::{command::Command, report::Demand, scene, sink::{Served, Sink}};
+//! # use graintwin::{command::request::Intake, report::Demand, scene};
 //! # use graintwin::node::{Node, Setup};
+//! # use graintwin::sink::{Served, Sink};
 //! # fn run(
 //! #     scene: &scene::Scene,
-//! #     serve: fn(&Command, Demand) -> Arc<Served>,
+//! #     serve: fn(&Intake, Demand) -> Arc<Served>,
 //! # ) -> Result<(), graintwin::node::NodeError> {
 //! let stop = Arc::new(AtomicBool::new(false)); // raised by SIGINT and SIGTERM
 //! let mut node = Node::start(&scene.node, Setup::default(), &scene.outputs, &stop)?;
 //! let mut sink = node.sink();
-//! for command in node.commands() {
-//!     sink.served(&serve(&command, sink.demand()));
+//! for intake in node.commands() {
+//!     sink.served(&serve(&intake, sink.demand()));
 //! }
 //! let summary = node.stop();
 //! # Ok(()) }
 //! ```
 
 pub mod args;
-mod clock;
 mod commands;
 mod counters;
 mod endpoints;
@@ -45,6 +45,7 @@ pub mod parameters;
 mod participant;
 pub mod rig;
 pub mod rosout;
+mod wall_clock;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -59,7 +60,7 @@ use tokio::time::{sleep, timeout};
 pub use commands::{Commands, EndOfCommands};
 use counters::Counters;
 pub use counters::Summary;
-use endpoints::Endpoints;
+use endpoints::{Endpoints, Subscriptions};
 pub use names::Identity;
 pub use outbox::NodeSink;
 use outbox::{Item, Outbox};
@@ -188,7 +189,7 @@ impl Node {
             Some(store) => Some((Services::new(&mut ros_node, &identity, options)?, store)),
             None => None,
         };
-        let (endpoints, subscription) = Endpoints::new(ros_node, &identity)?;
+        let (endpoints, subscriptions) = Endpoints::new(ros_node, &identity)?;
         let endpoints = Arc::new(endpoints);
         let runtime = Builder::new_multi_thread()
             .worker_threads(THREADS)
@@ -199,9 +200,14 @@ impl Node {
 
         let spinner = runtime.spawn(spin(spinner));
         let (commands_in, commands_out) = mpsc::channel(commands::WAITING);
-        let receiving =
-            runtime.spawn(commands::receive(subscription, commands_in, Arc::clone(&counters)));
-        let end_of_commands = EndOfCommands(receiving.abort_handle());
+        let Subscriptions { commands, targets } = subscriptions;
+        let (queue, count) = (commands_in.clone(), Arc::clone(&counters));
+        let receiving = [
+            runtime.spawn(commands::receive(commands, queue, count)),
+            runtime.spawn(commands::receive(targets, commands_in, Arc::clone(&counters))),
+        ];
+        let end_of_commands =
+            EndOfCommands(receiving.iter().map(JoinHandle::abort_handle).collect());
         let stopping = runtime.spawn(end_when_stopped(Arc::clone(stop), end_of_commands.clone()));
         let (frames_in, frames_out) = mpsc::unbounded_channel();
         let pacing =
@@ -214,7 +220,8 @@ impl Node {
         };
         let publishing = runtime.spawn(outbox.run(outbox_out));
 
-        let mut tasks = vec![receiving, stopping, pacing, publishing];
+        let mut tasks: Vec<_> =
+            receiving.into_iter().chain([stopping, pacing, publishing]).collect();
         if let Some((services, store)) = parameters {
             tasks.extend(services.serve(&runtime, &store));
         }

@@ -12,7 +12,7 @@ mod strain;
 
 use std::path::Path;
 
-use crate::command::{Command, Mode, Stamp};
+use crate::command::{Ask, Command, Mode, Stamp};
 use crate::scene::{LoadPath, MAX_COMMANDS, Step};
 use crate::wall::{self, Bounds};
 
@@ -111,7 +111,7 @@ impl Course {
             session: SESSION.into(),
             sequence,
             mode: Mode::Absolute,
-            displacement,
+            ask: Ask::Displacement(displacement),
             age: None,
         });
         Ok(())

@@ -13,8 +13,9 @@ use crate::relax::advance::{Advance, advance};
 use crate::relax::jump::Jump;
 use crate::relax::{Effort, Outcome, Status, Workspace, accuracy, relax};
 use crate::report::{Demand, Event, EventKind, Measures, Moduli, PackState, Report};
-use crate::scene::Scene;
+use crate::scene::{Method, Scene};
 use crate::state::State;
+use crate::wall::Setpoint;
 
 /// Why a twin could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -114,7 +115,7 @@ impl Twin {
         if !outcome.status.is_equilibrium() {
             self.state = given;
             report.disposition = Disposition::NotConverged;
-            report.text = format!("the pack as given: {}", self.explain(&outcome));
+            report.text = format!("the pack as given: {}", self.explain(&outcome, 0.0));
             return report;
         }
         let Self { model, state, work, pool, .. } = self;
@@ -137,8 +138,16 @@ impl Twin {
         let Outcome { iterations, descents, .. } = outcome;
         let substeps = report.substeps;
         let jumps = std::mem::take(&mut self.work.jumps);
-        let reached =
-            Advance { outcome, substeps, iterations, descents, wall_force_error, jumps, changes };
+        let reached = Advance {
+            outcome,
+            substeps,
+            iterations,
+            descents,
+            wall_force_error,
+            crept: 0.0,
+            jumps,
+            changes,
+        };
         report.measures = Some(self.measure(Stamp::default(), &reached, demand));
         report
     }
@@ -155,27 +164,34 @@ impl Twin {
             text: String::new(),
             measures: None,
         };
-        let target = match self.gate.decide(command) {
-            Decision::Serve(target, text) => {
+        let setpoint = match self.gate.decide(command) {
+            Decision::Serve(setpoint, text) => {
                 report.text = text;
-                target
+                setpoint
             }
             Decision::Repeat => return self.repeat(report),
             Decision::Refuse(disposition, text) => {
                 if disposition == Disposition::Limit {
-                    self.gate.served(command, None, &report);
+                    self.gate.served(command, None, self.state.displacement, &report);
                 }
                 return Report { disposition, text, ..report };
             }
         };
+        if loads_need_newton(&self.model, &setpoint) {
+            return Report {
+                disposition: Disposition::Invalid,
+                text: "walls under loads need solver.method newton".into(),
+                ..report
+            };
+        }
         let here = self.outcome;
         let Self { model, state, work, pool, .. } = self;
-        let reached = pool.install(|| advance(model, state, work, &target, here));
+        let reached = pool.install(|| advance(model, state, work, &setpoint, here));
         report.substeps = reached.substeps;
         if !reached.outcome.status.is_equilibrium() {
             report.disposition = Disposition::NotConverged;
-            report.text = self.explain(&reached.outcome);
-            self.gate.served(command, None, &report);
+            report.text = self.explain(&reached.outcome, reached.crept);
+            self.gate.served(command, None, self.state.displacement, &report);
             return report;
         }
         self.outcome = reached.outcome;
@@ -184,10 +200,17 @@ impl Twin {
         if reached.outcome.status == Status::Unjammed {
             report.text = join(&report.text, UNJAMMED);
         }
+        if reached.crept > 0.0 {
+            let text = format!(
+                "no equilibrium nearby carried the loads: walls yielded by a strain of {:.2e}",
+                reached.crept
+            );
+            report.text = join(&report.text, &text);
+        }
         for jump in &reached.jumps {
             report.text = join(&report.text, &tell(jump));
         }
-        self.gate.served(command, Some(target), &report);
+        self.gate.served(command, Some(setpoint), self.state.displacement, &report);
         report.measures = Some(self.measure(command.stamp, &reached, demand));
         report
     }
@@ -205,13 +228,17 @@ impl Twin {
     }
 
     /// One sentence about a relaxation that failed.
-    fn explain(&self, outcome: &Outcome) -> String {
+    fn explain(&self, outcome: &Outcome, crept: f64) -> String {
         let tolerance = self.model.solver.tolerance;
         let residual = outcome.residual;
         match outcome.status {
             Status::MaxIterations => format!(
                 "no equilibrium in {} iterations: residual {residual:.1e}, {tolerance:.1e} asked",
                 outcome.iterations
+            ),
+            Status::Unstable if crept > 0.0 => format!(
+                "no equilibrium carries the loads: residual {residual:.1e}, {tolerance:.1e} asked, \
+                 after the walls yielded by a strain of {crept:.2e}"
             ),
             Status::Unstable => format!(
                 "unstable: residual {residual:.1e} after {} legs of overdamped flow, \
@@ -335,6 +362,11 @@ impl Twin {
             history: self.state.history(&self.model),
         }
     }
+}
+
+/// Whether walls shall carry loads that the scene's method cannot balance.
+fn loads_need_newton(model: &Model, setpoint: &Setpoint) -> bool {
+    model.solver.method != Method::Newton && setpoint.iter().any(|wall| wall.load().is_some())
 }
 
 const UNJAMMED: &str = "no grain carries load";

@@ -3,7 +3,11 @@
 //! Walls are always in the order of [`NAMES`]. A wall's displacement is along its inward
 //! normal: positive compresses the pack.
 
+mod target;
+
 use serde::{Deserialize, Serialize};
+
+pub use target::{Control, Load, Setpoint, WallTarget, standing};
 
 /// Number of walls of a 3D box.
 pub const COUNT: usize = 6;

@@ -58,7 +58,7 @@ fn expected(served: &Served) -> Vec<Value> {
                 "session": command.session,
                 "sequence": command.sequence,
                 "mode": u8::from(command.mode),
-                "displacement": command.displacement,
+                "displacement": command.ask.numbers(),
             }),
         ));
     }

@@ -8,8 +8,8 @@ mod python;
 use std::fs;
 use std::path::Path;
 
-use graintwin::command::{Command, Mode, Stamp};
-use graintwin::msg::BoundaryCommand;
+use graintwin::command::{Ask, Command, Mode, Stamp};
+use graintwin::msg::convert::CommandMessage;
 use graintwin::record::reader::{Bag, ReadError};
 use serde_json::{Value, json};
 
@@ -19,7 +19,7 @@ fn command(sequence: u64) -> Command {
         session: "rig".into(),
         sequence,
         mode: Mode::Absolute,
-        displacement: [0.1, 0.2, 0.3, 0.4, 0.5, sequence as f64 / 3.0],
+        ask: Ask::Displacement([0.1, 0.2, 0.3, 0.4, 0.5, sequence as f64 / 3.0]),
         age: None,
     }
 }
@@ -30,7 +30,10 @@ fn text() -> String {
 }
 
 fn sent(topic: &str, command: &Command) -> Value {
-    json!({"topic": topic, "command": BoundaryCommand::from(command)})
+    let CommandMessage::Boundary(message) = CommandMessage::from(command) else {
+        panic!("only boundary commands are sent here");
+    };
+    json!({"topic": topic, "command": message})
 }
 
 /// Lets the peer write a bag and reads its commands; `None` without a peer.

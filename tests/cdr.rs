@@ -12,7 +12,7 @@ use std::path::Path;
 use graintwin::msg::cdr::{self, CdrError};
 use graintwin::msg::{
     BoundaryCommand, ContactNetwork, Described, Event, Header, JointState, Moduli, PackState,
-    Report, Time, Vector3, WallForces, Wrench, WrenchStamped,
+    Report, Time, Vector3, WallForces, WallTargets, Wrench, WrenchStamped,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -186,6 +186,15 @@ fn bytes_hashes_and_definitions_are_those_of_an_independent_implementation() {
     let mut exchange = Exchange::default();
     exchange.add(boundary_command());
     exchange.add(BoundaryCommand::default());
+    exchange.add(WallTargets {
+        session: "séance".into(),
+        sequence: 1 << 40,
+        mode: 1,
+        control: [0, 1, 2, 3, 4, 255],
+        value: [0.0, -1e-6, 12.5, 1e5, f64::MAX, 5e-324],
+        ..WallTargets::default()
+    });
+    exchange.add(WallTargets::default());
     exchange.add(wall_forces());
     exchange.add(pack_state());
     exchange.add(moduli());

@@ -8,7 +8,7 @@ mod packs;
 
 use std::sync::OnceLock;
 
-use graintwin::command::{Command, Disposition, Mode};
+use graintwin::command::{Ask, Command, Disposition, Mode};
 use graintwin::pack::Pack;
 use graintwin::report::{Demand, Report};
 use graintwin::scene::Scene;
@@ -83,7 +83,9 @@ fn numbers_that_are_none_are_invalid_in_each_of_the_six_fields() {
         for w in 0..wall::COUNT {
             for value in [f64::NAN, -f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
                 let mut command = Command { mode, ..absolute(2, small()) };
-                command.displacement[w] = value;
+                let mut displacement = small();
+                displacement[w] = value;
+                command.ask = Ask::Displacement(displacement);
                 let report = refused(&mut rig, &command, Disposition::Invalid);
                 assert!(report.text.contains(wall::NAMES[w]), "{}", report.text);
                 assert_eq!(report.increment, 1);
@@ -370,7 +372,7 @@ proptest! {
             let before = bits(&rig.twin.pack());
             let report = apply(&mut rig, command);
             if report.disposition == Disposition::Applied {
-                let asked = command.displacement;
+                let Ask::Displacement(asked) = command.ask else { unreachable!() };
                 where_it_is = match command.mode {
                     Mode::Increment => std::array::from_fn(|w| where_it_is[w] + asked[w]),
                     _ => asked,

@@ -13,7 +13,7 @@ use graintwin::relax::advance::advance;
 use graintwin::relax::{Status, Workspace, newton, relax};
 use graintwin::scene::{Coulomb, Friction, Law, Method, Scene, Update};
 use graintwin::state::State;
-use graintwin::wall;
+use graintwin::wall::{self, standing};
 use packs::{E_WALL, Rig, bead, by_strain, centered, close, made, scene_to};
 
 /// Tolerance of the solution that counts as exact.
@@ -70,7 +70,7 @@ fn walk(scene: &Scene, pack: &Pack, random: &mut Random, samples: &mut Vec<Sampl
         let step = by_strain(&pack.bounds, strain);
         let target = std::array::from_fn(|w| state.displacement[w] + step[w]);
         let start = state.clone();
-        let reached = advance(&model, &mut state, &mut work, &target, here);
+        let reached = advance(&model, &mut state, &mut work, &standing(&target), here);
         here = reached.outcome;
         if here.status != Status::Converged || reached.substeps != 1 {
             break;

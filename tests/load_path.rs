@@ -24,7 +24,7 @@ fn commands(yaml: &str) -> Vec<Command> {
 
 /// Engineering strain of the box at a command, against the box at `before`.
 fn strain(command: &Command, before: &Bounds) -> [f64; 3] {
-    let now = BOX.displaced(&command.displacement).sides();
+    let now = BOX.displaced(&command.ask.numbers()).sides();
     std::array::from_fn(|axis| (before.sides()[axis] - now[axis]) / before.sides()[axis])
 }
 
@@ -75,7 +75,7 @@ fn strain_steps_reach_their_strains_in_equal_parts() {
 fn both_walls_of_a_pair_move_or_the_one_that_is_named() {
     for (moving, shares) in [("both", [0.5, 0.5]), ("min", [1.0, 0.0]), ("max", [0.0, 1.0])] {
         let step = format!("- uniaxial: {{strain: 1e-3, increments: 1, moving: {moving}}}");
-        let moved = commands(&step)[0].displacement;
+        let moved = commands(&step)[0].ask.numbers();
         // A strain of 1e-3 along 8 mm is 8 µm.
         assert_eq!(moved[..4], [0.0; 4]);
         assert!((moved[4] - shares[0] * 8e-6).abs() < 1e-20, "{moving}: {moved:?}");
@@ -89,7 +89,7 @@ fn a_strain_is_of_the_box_at_the_start_of_its_step() {
         "- isotropic: {strain: 0.1, increments: 1}\n- uniaxial: {strain: 0.1, increments: 1}",
     );
     close(strain(&commands[1], &BOX), [0.1, 0.1, 0.19]);
-    let between = BOX.displaced(&commands[0].displacement);
+    let between = BOX.displaced(&commands[0].ask.numbers());
     close(strain(&commands[1], &between), [0.0, 0.0, 0.1]);
 }
 
@@ -98,7 +98,7 @@ fn unloading_goes_straight_back_to_the_start_or_to_a_share() {
     let load = "- polyaxial: {strain: [1e-3, 2e-3, 3e-3], increments: 3, moving: max}\n";
     let all = commands(&format!("{load}- unload: {{increments: 2}}"));
     close(strain(&all[3], &BOX), [0.5e-3, 1e-3, 1.5e-3]);
-    assert_eq!(all[4].displacement, [0.0; 6]);
+    assert_eq!(all[4].ask.numbers(), [0.0; 6]);
     let half = commands(&format!("{load}- unload: {{to: 0.5, increments: 1}}"));
     close(strain(&half[3], &BOX), [0.5e-3, 1e-3, 1.5e-3]);
 }
@@ -128,7 +128,7 @@ fn a_command_csv_is_taken_as_it_is() {
         "# from a rig\nstamp, z_max, x_min # two walls\n0.5, 1e-6, 0\n\n1.25,2e-6,-3e-6\n1.25,0,0\n",
     );
     let commands = path::read_csv(&path).unwrap();
-    let moved: Vec<_> = commands.iter().map(|c| c.displacement).collect();
+    let moved: Vec<_> = commands.iter().map(|c| c.ask.numbers()).collect();
     assert_eq!(
         moved,
         [[0.0, 0.0, 0.0, 0.0, 0.0, 1e-6], [-3e-6, 0.0, 0.0, 0.0, 0.0, 2e-6], [0.0; 6],]
@@ -145,7 +145,7 @@ fn a_command_csv_within_a_path_moves_its_walls_since_the_start_and_leaves_the_ot
          - unload: {increments: 1}",
     );
     let commands = path::commands(&steps, folder.path(), &BOX).unwrap();
-    assert_eq!(commands[2].displacement, [1e-6, 1e-6, 0.0, 0.0, 0.0, 2e-6]);
+    assert_eq!(commands[2].ask.numbers(), [1e-6, 1e-6, 0.0, 0.0, 0.0, 2e-6]);
     let stamps: Vec<_> = commands.iter().map(|c| c.stamp.seconds()).collect();
     assert_eq!(stamps, [1.0, 2.0, 2.5, 3.5]);
 }
@@ -153,7 +153,7 @@ fn a_command_csv_within_a_path_moves_its_walls_since_the_start_and_leaves_the_ot
 #[test]
 fn walls_may_be_sent_through_each_other_by_a_csv_and_the_twin_will_say_so() {
     let (_folder, path) = file("stamp,x_min\n0,1.0\n");
-    assert_eq!(path::read_csv(&path).unwrap()[0].displacement[0], 1.0);
+    assert_eq!(path::read_csv(&path).unwrap()[0].ask.numbers()[0], 1.0);
 }
 
 #[test]
@@ -229,14 +229,14 @@ fn the_shipped_log_drives_the_box_undrained() {
     assert_eq!(commands.len(), 84);
     for (command, (time, percent)) in commands.iter().zip(log) {
         assert_eq!(command.stamp.seconds(), time);
-        let now = BOX.displaced(&command.displacement);
+        let now = BOX.displaced(&command.ask.numbers());
         assert!((now.volume() / BOX.volume() - 1.0).abs() < 1e-14, "{now:?}");
         let [x, y, z] = strain(command, &BOX);
         assert!((z - percent / 100.0).abs() < 1e-15, "{z} for {percent} %");
         assert!((x - y).abs() < 1e-15);
         // Undrained to first order: half of the axial strain outwards.
         assert!((x + 0.5 * z).abs() <= z * z, "{x} for {z}");
-        let [x_min, x_max, ..] = command.displacement;
+        let [x_min, x_max, ..] = command.ask.numbers();
         assert_eq!(x_min, x_max);
     }
 }
@@ -290,9 +290,9 @@ proptest! {
              - rig_log: {{file: path.csv, time: t, axial_strain: e}}"
         ));
         let commands = path::commands(&steps, folder.path(), &bounds).unwrap();
-        let volume = bounds.displaced(&commands[0].displacement).volume();
+        let volume = bounds.displaced(&commands[0].ask.numbers()).volume();
         for command in &commands[1..] {
-            let now = bounds.displaced(&command.displacement).volume();
+            let now = bounds.displaced(&command.ask.numbers()).volume();
             prop_assert!((now / volume - 1.0).abs() < 1e-14, "{}", now / volume - 1.0);
         }
     }

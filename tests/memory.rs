@@ -12,6 +12,7 @@ use graintwin::relax::advance::advance;
 use graintwin::relax::{Workspace, relax};
 use graintwin::scene::{self, Law, Method};
 use graintwin::state::State;
+use graintwin::wall::standing;
 
 /// The system's allocator, counting the bytes in use.
 struct Counting;
@@ -70,7 +71,7 @@ fn state_and_scratch_hold_what_they_say() {
                 work.commit(&model, &mut state);
                 let travel = 1e-4 * model.start.sides()[2];
                 let target = [0.0, 0.0, 0.0, 0.0, travel, 0.0];
-                advance(&model, &mut state, &mut work, &target, here);
+                advance(&model, &mut state, &mut work, &standing(&target), here);
                 let held = IN_USE.load(Ordering::SeqCst) - before;
                 let said = state.heap_bytes() + work.heap_bytes();
                 assert_eq!(said, held, "{method:?} {law:?} {gravity}");

@@ -7,14 +7,14 @@ mod shape;
 use std::fs;
 use std::path::Path;
 
-use graintwin::command::{Command, Disposition, Mode, Stamp};
-use graintwin::msg::convert::{self, LIVE_CHUNK};
+use graintwin::command::{Ask, Command, Disposition, Mode, Stamp};
+use graintwin::msg::convert::{self, CommandMessage, LIVE_CHUNK};
 use graintwin::msg::{
     BoundaryCommand, ContactNetwork, Described, Event, Header, JointState, Moduli, PackState,
-    Report, Time, Vector3, WallForces, Wrench, WrenchStamped, topics,
+    Report, Time, Vector3, WallForces, WallTargets, Wrench, WrenchStamped, topics,
 };
 use graintwin::report::{self, ContactState, Measures};
-use graintwin::wall;
+use graintwin::wall::{self, WallTarget};
 use serde::de::DeserializeOwned;
 use shape::{Shape, shape_of};
 
@@ -67,6 +67,7 @@ fn assert_same_fields<T: Described + DeserializeOwned>() {
 #[test]
 fn every_struct_has_the_fields_of_its_text() {
     assert_same_fields::<BoundaryCommand>();
+    assert_same_fields::<WallTargets>();
     assert_same_fields::<WallForces>();
     assert_same_fields::<PackState>();
     assert_same_fields::<Moduli>();
@@ -87,6 +88,7 @@ fn every_message_text_is_built_by_the_package_and_has_a_struct() {
     let recipe = fs::read_to_string(package.join("CMakeLists.txt")).unwrap();
     let structs = [
         BoundaryCommand::TYPE,
+        WallTargets::TYPE,
         WallForces::TYPE,
         PackState::TYPE,
         Moduli::TYPE,
@@ -142,6 +144,15 @@ fn modes_and_contact_states_have_the_numbers_of_their_messages() {
     let modes =
         [("ABSOLUTE".into(), Mode::Absolute.into()), ("INCREMENT".into(), Mode::Increment.into())];
     assert_eq!(modes.to_vec(), constants::<BoundaryCommand>());
+    let controls = [
+        ("KEEP", WallTarget::Keep),
+        ("DISPLACEMENT", WallTarget::Displacement(1.0)),
+        ("FORCE", WallTarget::Force(1.0)),
+        ("STRESS", WallTarget::Stress(1.0)),
+    ];
+    let controls = controls.map(|(name, target)| (name.to_owned(), target.numbers().0));
+    let targets: Vec<_> = modes.iter().cloned().chain(controls).collect();
+    assert_eq!(targets, constants::<WallTargets>());
     let states =
         [("STICK".into(), ContactState::Stick as u8), ("SLIDE".into(), ContactState::Slide as u8)];
     assert_eq!(states.to_vec(), constants::<ContactNetwork>()[..2]);
@@ -176,10 +187,27 @@ fn a_command_survives_the_way_through_its_message() {
             session: "Prüfstand 4".into(),
             sequence: u64::MAX,
             mode,
-            displacement: [1e-9, -2e-9, 0.0, f64::INFINITY, 5e-300, -0.0],
+            ask: Ask::Displacement([1e-9, -2e-9, 0.0, f64::INFINITY, 5e-300, -0.0]),
             age: None,
         };
-        assert_eq!(Command::from(BoundaryCommand::from(&command)), command);
+        let CommandMessage::Boundary(message) = CommandMessage::from(&command) else {
+            panic!("displacements of all walls are a boundary command");
+        };
+        assert_eq!(Command::from(message), command);
+        let targets = [
+            WallTarget::Keep,
+            WallTarget::Displacement(-2e-9),
+            WallTarget::Force(5e-300),
+            WallTarget::Stress(f64::INFINITY),
+            WallTarget::Unknown(4, 1.0),
+            WallTarget::Unknown(255, -0.0),
+        ];
+        let command = Command { ask: Ask::Targets(targets), ..command };
+        let CommandMessage::Targets(message) = CommandMessage::from(&command) else {
+            panic!("targets of the walls are no boundary command");
+        };
+        assert_eq!(message.control, [0, 1, 2, 3, 4, 255]);
+        assert_eq!(Command::from(message), command);
     }
 }
 

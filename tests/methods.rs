@@ -17,7 +17,7 @@ use graintwin::report::Demand;
 use graintwin::scene::{Coulomb, Friction, Law, Method, Scene, Update};
 use graintwin::state::State;
 use graintwin::twin::Twin;
-use graintwin::wall;
+use graintwin::wall::{self, standing};
 use packs::{Rig, absolute, bits, by_strain, close, made, scene_to, state};
 
 /// The methods of the seeds.
@@ -62,7 +62,7 @@ fn along(scene: &Scene, pack: &Pack, path: &[[f64; 3]]) -> Vec<Reached> {
     for strain in path {
         let before = work.effort();
         let target = by_strain(&pack.bounds, *strain);
-        let advance = advance(&model, &mut state, &mut work, &target, here);
+        let advance = advance(&model, &mut state, &mut work, &standing(&target), here);
         here = advance.outcome;
         let now = work.effort();
         reached.push(Reached {

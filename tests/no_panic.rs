@@ -138,7 +138,7 @@ proptest! {
         let name = file.display().to_string();
         match path::read_csv(&file) {
             Ok(commands) => prop_assert!(
-                commands.iter().all(|c| c.displacement.iter().all(|d| d.is_finite()))
+                commands.iter().all(|c| c.ask.numbers().iter().all(|d| d.is_finite()))
             ),
             Err(error) => prop_assert!(error.to_string().starts_with(&name), "{error}"),
         }

@@ -87,7 +87,7 @@ fn a_uniaxial_step_to_a_strain_is_the_run_of_the_same_increments() {
         );
         let (mut rig, _) = Rig::start(&scene, &pack);
         for command in path::commands(&scene.load_path, Path::new(""), &pack.bounds).unwrap() {
-            rig.go(command.displacement);
+            rig.go(command.ask.numbers());
         }
         let (after, heard) = prepared(&scene, &pack);
         assert_eq!(bits(&after), bits(&rig.twin.pack()));

@@ -27,7 +27,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use graintwin::command::{Command, Mode, Stamp};
+use graintwin::command::request::Intake;
+use graintwin::command::{Ask, Command, Mode, Stamp};
 use graintwin::msg::{self, topics};
 use graintwin::node::rig::Rig;
 use graintwin::node::{Identity, Node, Setup, Summary};
@@ -39,12 +40,20 @@ use made_up::MadeUpTwin;
 use network::{Loopback, alone, name_of};
 use peer::alone_with_peer;
 
+/// What comes to the node; nothing but commands does.
+fn commands(node: &mut Node) -> impl Iterator<Item = Command> {
+    node.commands().map(|intake| match intake {
+        Intake::Command(command) => command,
+        Intake::Request(asked) => panic!("{asked:?}"),
+    })
+}
+
 /// Serves commands until they end, as the program does; returns everything that was served.
 fn serve(mut node: Node, mut twin: MadeUpTwin) -> (Vec<Arc<Served>>, Summary) {
     let mut sink = node.sink();
     let mut all = vec![twin.start(sink.demand())];
     sink.served(&all[0]);
-    for command in node.commands() {
+    for command in commands(&mut node) {
         let served = twin.apply(&command, sink.demand());
         sink.served(&served);
         all.push(served);
@@ -67,7 +76,9 @@ fn path(length: u64) -> Vec<Command> {
             session: "path".into(),
             sequence,
             mode: Mode::Absolute,
-            displacement: std::array::from_fn(|wall| 1e-7 * (sequence * 6 + wall as u64) as f64),
+            ask: Ask::Displacement(std::array::from_fn(|wall| {
+                1e-7 * (sequence * 6 + wall as u64) as f64
+            })),
             age: None,
         })
         .collect()
@@ -206,7 +217,7 @@ fn sigterm_ends_a_node_in_the_middle_of_its_work() {
         let mut sink = node.sink();
         let mut twin = MadeUpTwin::new(100);
         sink.served(&twin.start(sink.demand()));
-        for (index, command) in node.commands().enumerate() {
+        for (index, command) in commands(&mut node).enumerate() {
             if index == 20 {
                 eprintln!("busy");
             }
@@ -276,11 +287,21 @@ fn play_from_cyclone(
     peer::compare(python, folder.path(), &served, &[]);
 }
 
+fn change(command: &mut Command, how: impl FnOnce(&mut [f64; 6])) {
+    let mut numbers = command.ask.numbers();
+    how(&mut numbers);
+    command.ask = Ask::Displacement(numbers);
+}
+
 /// Every field bit by bit, and an age that fits the clock.
 fn assert_same(arrived: &Command, sent: &Command) {
-    let bits = |command: &Command| command.displacement.map(f64::to_bits);
+    let bits = |command: &Command| command.ask.numbers().map(f64::to_bits);
     assert_eq!(bits(arrived), bits(sent), "displacement of {}", sent.sequence);
-    let rest = |command: &Command| Command { displacement: [0.0; 6], age: None, ..command.clone() };
+    let rest = |command: &Command| Command {
+        ask: Ask::Displacement([0.0; 6]),
+        age: None,
+        ..command.clone()
+    };
     assert_eq!(rest(arrived), rest(sent));
     let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_secs_f64();
     let age = arrived.age.unwrap();
@@ -295,14 +316,14 @@ fn a_cyclone_peer_gets_every_field_of_every_message_of_84_commands_and_the_start
             let mut commands = path(84);
             for command in &mut commands {
                 command.session = "séance 1".into();
-                command.displacement[1] *= -1.0 / 3.0;
+                change(command, |displacement| displacement[1] *= -1.0 / 3.0);
             }
-            commands[10].displacement =
-                [-0.0, f64::MIN_POSITIVE / 3.0, f64::MAX, f64::MIN, 1e-300, 0.1];
+            commands[10].ask =
+                Ask::Displacement([-0.0, f64::MIN_POSITIVE / 3.0, f64::MAX, f64::MIN, 1e-300, 0.1]);
             commands[20].mode = Mode::Increment;
             commands[21].mode = Mode::Unknown(7);
-            commands[30].displacement[3] = f64::NAN;
-            commands[31].displacement[4] = f64::INFINITY;
+            change(&mut commands[30], |displacement| displacement[3] = f64::NAN);
+            change(&mut commands[31], |displacement| displacement[4] = f64::INFINITY);
             commands[40].stamp = Stamp { sec: -1, nanosec: 999_999_999 };
             commands[83].sequence = u64::MAX;
             play_from_cyclone(python, &commands, MadeUpTwin::new(1500), Some(4));

@@ -12,6 +12,7 @@ use graintwin::report::Demand;
 use graintwin::sink::Served;
 use graintwin::state::State;
 use graintwin::twin::Twin;
+use graintwin::wall::standing;
 use nix::time::ClockId;
 
 use crate::callgrind::measured;
@@ -131,7 +132,7 @@ fn solve(variant: &Variant) {
             let travel = 0.5e-4 * k as f64 * model.start.sides()[2];
             let target = [0.0, 0.0, 0.0, 0.0, travel, travel];
             measured(&mut || {
-                here = advance(&model, &mut state, &mut work, &target, here).outcome;
+                here = advance(&model, &mut state, &mut work, &standing(&target), here).outcome;
             });
             assert!(here.status.is_equilibrium());
         }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use graintwin::command::{Command, Disposition, Mode, Stamp};
+use graintwin::command::{Ask, Command, Disposition, Mode, Stamp};
 use graintwin::pack::{Pack, generate};
 use graintwin::report::{ContactNetwork, Demand, PackState, Report};
 use graintwin::scene::{self, Coulomb, Friction, Scene, Solver, Update};
@@ -122,7 +122,7 @@ impl Press {
             session: "validation".into(),
             sequence: self.sequence,
             mode: Mode::Absolute,
-            displacement,
+            ask: Ask::Displacement(displacement),
             age: None,
         };
         let report = self.twin.apply(&command, Demand::ALL);

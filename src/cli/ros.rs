@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use graintwin::command::Command;
+use graintwin::command::request::Intake;
 use graintwin::node::args::{RosArgs, Severity};
 use graintwin::node::parameters::{Parameters, overrides};
 use graintwin::node::rig::{Played, Rig, RigError};
@@ -64,7 +65,7 @@ impl Link {
         self.rig.as_ref().map(|(_, count)| *count)
     }
 
-    pub(super) fn commands(&mut self) -> Box<dyn Iterator<Item = Command> + '_> {
+    pub(super) fn commands(&mut self) -> Box<dyn Iterator<Item = Intake> + '_> {
         Box::new(self.node.commands())
     }
 

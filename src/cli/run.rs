@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use indicatif::MultiProgress;
 
 use graintwin::command::Command;
+use graintwin::command::request::Intake;
 #[cfg(feature = "mcap")]
 use graintwin::pack::Pack;
 use graintwin::path;
@@ -130,11 +131,9 @@ pub(super) fn run(
 }
 
 /// Commands that are all known, and how many there are.
-fn from_file<'a>(
-    commands: Vec<Command>,
-) -> (Box<dyn Iterator<Item = Command> + 'a>, Option<usize>) {
+fn from_file<'a>(commands: Vec<Command>) -> (Box<dyn Iterator<Item = Intake> + 'a>, Option<usize>) {
     let length = Some(commands.len());
-    (Box::new(commands.into_iter()), length)
+    (Box::new(commands.into_iter().map(Intake::from)), length)
 }
 
 #[cfg(feature = "mcap")]

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use anyhow::anyhow;
 
+use graintwin::command::request::Intake;
 use graintwin::command::{Command, Disposition};
 use graintwin::report::{Demand, Report};
 use graintwin::scene::{ModuliKind, Outputs, When};
@@ -14,11 +15,11 @@ use graintwin::twin::Twin;
 
 use super::Failure;
 
-/// Relaxes the pack and serves `commands` until they end or `stop` is set.
+/// Relaxes the pack and serves `intakes` until they end or `stop` is set.
 pub(super) fn serve(
     twin: &mut Twin,
     outputs: Outputs,
-    commands: impl Iterator<Item = Command>,
+    intakes: impl Iterator<Item = Intake>,
     sinks: &mut [Box<dyn Sink + '_>],
     stop: &AtomicBool,
 ) -> Result<(), Failure> {
@@ -29,12 +30,19 @@ pub(super) fn serve(
     if let Some(why) = why {
         return Err(Failure::Other(anyhow!("no equilibrium to start from: {why}")));
     }
-    for command in commands {
+    for intake in intakes {
         if stop.load(Ordering::SeqCst) {
             break;
         }
-        let report = timed(|| twin.apply(&command, demand(outputs, sinks)));
-        hand_over(Some(command), report, sinks);
+        match intake {
+            Intake::Command(command) => {
+                let report = timed(|| twin.apply(&command, demand(outputs, sinks)));
+                hand_over(Some(command), report, sinks);
+            }
+            Intake::Request(asked) => {
+                asked.answer(Err("this version serves commands only".into()));
+            }
+        }
     }
     Ok(())
 }

@@ -1,9 +1,9 @@
 //! The gate: accepts or refuses a command by its form and its place in the sequence. It knows no
 //! clock and no socket (interfaces.md, "What becomes of a command").
 
-use crate::command::{Command, Disposition, Mode};
+use crate::command::{Ask, Command, Disposition, Mode};
 use crate::report::Report;
-use crate::wall::{self, Bounds};
+use crate::wall::{self, Bounds, Control, Load, Setpoint, WallTarget};
 
 /// A box side may shrink to this share of what it was at the start.
 const LEAST_SIDE: f64 = 0.5;
@@ -13,8 +13,8 @@ const MOST_SIDE: f64 = 2.0;
 /// What the gate says to a command.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Decision {
-    /// Move the walls to this displacement since the start \[m\]; the text is for the report.
-    Serve([f64; wall::COUNT], String),
+    /// The walls shall do this; the text is for the report.
+    Serve(Setpoint, String),
     /// Served before.
     Repeat,
     /// Refused, with the reason.
@@ -29,8 +29,10 @@ pub struct Gate {
     stale_after: f64,
     /// Session and sequence of the last command that reached the walls.
     last: Option<(String, u64)>,
-    /// Last accepted target \[m\].
-    target: [f64; wall::COUNT],
+    /// What the walls do since the last accepted command.
+    now: Setpoint,
+    /// Where the walls are \[m\].
+    displacement: [f64; wall::COUNT],
     /// Report of the last command that reached the walls, without measures.
     report: Option<Report>,
 }
@@ -40,7 +42,9 @@ impl Gate {
     /// unless that is 0.
     #[must_use]
     pub fn new(start: Bounds, stale_after: f64) -> Self {
-        Self { start, stale_after, last: None, target: [0.0; wall::COUNT], report: None }
+        let displacement = [0.0; wall::COUNT];
+        let now = wall::standing(&displacement);
+        Self { start, stale_after, last: None, now, displacement, report: None }
     }
 
     /// Decides on `command`.
@@ -76,13 +80,89 @@ impl Gate {
                 text = format!("{missing} commands missing before it");
             }
         }
-        let target: [f64; wall::COUNT] = match command.mode {
-            Mode::Increment => std::array::from_fn(|w| self.target[w] + command.displacement[w]),
-            Mode::Absolute | Mode::Unknown(_) => command.displacement,
+        let setpoint = match self.setpoint(command) {
+            Ok(setpoint) => setpoint,
+            Err(text) => return Decision::Refuse(Disposition::Invalid, text),
         };
-        match self.beyond_travel(&target) {
+        match self.beyond_travel(&setpoint) {
             Some(text) => Decision::Refuse(Disposition::Limit, text),
-            None => Decision::Serve(target, text),
+            None => Decision::Serve(setpoint, text),
+        }
+    }
+
+    /// What the walls do now.
+    #[must_use]
+    pub fn now(&self) -> &Setpoint {
+        &self.now
+    }
+
+    /// What `command` makes the walls do, or what is wrong with it.
+    fn setpoint(&self, command: &Command) -> Result<Setpoint, String> {
+        let targets = command.ask.targets();
+        let mut setpoint = self.now;
+        for (w, target) in targets.into_iter().enumerate() {
+            let keeps = matches!(command.ask, Ask::Displacement(_)) && self.now[w].load().is_some();
+            if !keeps {
+                setpoint[w] = self.control(w, target, command.mode)?;
+            }
+        }
+        for axis in 0..3 {
+            let [low, high] = [2 * axis, 2 * axis + 1];
+            if let (Some(one), Some(other)) = (setpoint[low].load(), setpoint[high].load())
+                && one != other
+            {
+                return Err(format!(
+                    "{} and {} shall carry {one:?} and {other:?}: the two walls of a pair carry \
+                     the same load, or one of them stands",
+                    wall::NAMES[low],
+                    wall::NAMES[high]
+                ));
+            }
+        }
+        Ok(setpoint)
+    }
+
+    /// What `target` makes wall `w` do.
+    fn control(&self, w: usize, target: WallTarget, mode: Mode) -> Result<Control, String> {
+        let name = wall::NAMES[w];
+        let on_top = mode == Mode::Increment;
+        let load = |load: Load, value: f64, unit: &str| {
+            if value > 0.0 {
+                return Ok(Control::Load(load));
+            }
+            Err(format!("{name} shall carry {value:e} {unit}: a load is above 0"))
+        };
+        let under_none =
+            || format!("{name} carries no such load that an increment could go on top of");
+        match target {
+            WallTarget::Keep => Ok(self.now[w]),
+            WallTarget::Displacement(value) => {
+                let before = match self.now[w] {
+                    Control::Displacement(before) => before,
+                    Control::Load(_) => self.displacement[w],
+                };
+                Ok(Control::Displacement(if on_top { before + value } else { value }))
+            }
+            WallTarget::Force(value) => {
+                let before = match self.now[w] {
+                    _ if !on_top => 0.0,
+                    Control::Load(Load::Force(before)) => before,
+                    _ => return Err(under_none()),
+                };
+                load(Load::Force(before + value), before + value, "N")
+            }
+            WallTarget::Stress(value) => {
+                let before = match self.now[w] {
+                    _ if !on_top => 0.0,
+                    Control::Load(Load::Stress(before)) => before,
+                    _ => return Err(under_none()),
+                };
+                load(Load::Stress(before + value), before + value, "Pa")
+            }
+            WallTarget::Unknown(number, _) => Err(format!(
+                "control {number} of {name}: 0 (keep), 1 (displacement), 2 (force) and 3 (stress) \
+                 are allowed"
+            )),
         }
     }
 
@@ -98,9 +178,13 @@ impl Gate {
         })
     }
 
-    /// Why the walls cannot go to `target`.
-    fn beyond_travel(&self, target: &[f64; wall::COUNT]) -> Option<String> {
-        let (start, now) = (self.start.sides(), self.start.displaced(target).sides());
+    /// Why the walls cannot go where `setpoint` sends them; those under a load stay meanwhile.
+    fn beyond_travel(&self, setpoint: &Setpoint) -> Option<String> {
+        let target: [f64; wall::COUNT] = std::array::from_fn(|w| match setpoint[w] {
+            Control::Displacement(displacement) => displacement,
+            Control::Load(_) => self.displacement[w],
+        });
+        let (start, now) = (self.start.sides(), self.start.displaced(&target).sides());
         (0..3).find_map(|axis| {
             let (low, high) = (wall::NAMES[2 * axis], wall::NAMES[2 * axis + 1]);
             let allowed = [LEAST_SIDE * start[axis], MOST_SIDE * start[axis]];
@@ -117,15 +201,18 @@ impl Gate {
         })
     }
 
-    /// Remembers a command that reached the walls; `target` when they moved there.
+    /// Remembers a command that reached the walls, what they do since when they moved, and where
+    /// they are.
     pub fn served(
         &mut self,
         command: &Command,
-        target: Option<[f64; wall::COUNT]>,
+        setpoint: Option<Setpoint>,
+        displacement: [f64; wall::COUNT],
         report: &Report,
     ) {
         self.last = Some((command.session.clone(), command.sequence));
-        self.target = target.unwrap_or(self.target);
+        self.now = setpoint.unwrap_or(self.now);
+        self.displacement = displacement;
         self.report = Some(Report { measures: None, ..report.clone() });
     }
 
@@ -141,10 +228,13 @@ fn malformed(command: &Command) -> Option<String> {
     if let Mode::Unknown(mode) = command.mode {
         return Some(format!("mode {mode}: 0 (absolute) and 1 (increment) are allowed"));
     }
-    let wall = command.displacement.iter().position(|d| !d.is_finite())?;
-    Some(format!(
-        "displacement of {} is {}: a finite number of metres is needed",
-        wall::NAMES[wall],
-        command.displacement[wall]
-    ))
+    let values = command.ask.numbers();
+    let wall = values.iter().position(|value| !value.is_finite())?;
+    let (name, value) = (wall::NAMES[wall], values[wall]);
+    Some(match command.ask {
+        Ask::Displacement(_) => {
+            format!("displacement of {name} is {value}: a finite number of metres is needed")
+        }
+        Ask::Targets(_) => format!("value of {name} is {value}: a finite number is needed"),
+    })
 }

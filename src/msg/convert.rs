@@ -3,11 +3,11 @@
 use super::topics::{PACK_FRAME, wall_frame};
 use super::{
     BoundaryCommand, ContactNetwork, Event, Header, JointState, Moduli, PackState, Report, Time,
-    WallForces, Wrench, WrenchStamped,
+    WallForces, WallTargets, Wrench, WrenchStamped,
 };
-use crate::command::{Command, Stamp};
+use crate::command::{Ask, Command, Stamp};
 use crate::report::{self, Measures};
-use crate::wall;
+use crate::wall::{self, WallTarget};
 
 /// Most contacts in one live [`ContactNetwork`]: 56 KB, what one sample can carry without
 /// losses over a stock receive buffer.
@@ -25,14 +25,32 @@ impl From<Time> for Stamp {
     }
 }
 
-impl From<&Command> for BoundaryCommand {
+/// A command as the message that it came as.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CommandMessage {
+    /// With a displacement of every wall.
+    Boundary(BoundaryCommand),
+    /// With a target of each wall.
+    Targets(WallTargets),
+}
+
+impl From<&Command> for CommandMessage {
     fn from(command: &Command) -> Self {
-        Self {
-            header: pack_header(command.stamp),
-            session: command.session.clone(),
-            sequence: command.sequence,
-            mode: command.mode.into(),
-            displacement: command.displacement,
+        let header = pack_header(command.stamp);
+        let Command { session, sequence, mode, .. } = command.clone();
+        let mode = mode.into();
+        match command.ask {
+            Ask::Displacement(displacement) => {
+                Self::Boundary(BoundaryCommand { header, session, sequence, mode, displacement })
+            }
+            Ask::Targets(targets) => Self::Targets(WallTargets {
+                header,
+                session,
+                sequence,
+                mode,
+                control: targets.map(|target| target.numbers().0),
+                value: targets.map(|target| target.numbers().1),
+            }),
         }
     }
 }
@@ -45,7 +63,22 @@ impl From<BoundaryCommand> for Command {
             session: message.session,
             sequence: message.sequence,
             mode: message.mode.into(),
-            displacement: message.displacement,
+            ask: Ask::Displacement(message.displacement),
+            age: None,
+        }
+    }
+}
+
+/// A command whose age nobody has measured yet.
+impl From<WallTargets> for Command {
+    fn from(message: WallTargets) -> Self {
+        let target = |wall| WallTarget::from_numbers(message.control[wall], message.value[wall]);
+        Self {
+            stamp: message.header.stamp.into(),
+            ask: Ask::Targets(std::array::from_fn(target)),
+            session: message.session,
+            sequence: message.sequence,
+            mode: message.mode.into(),
             age: None,
         }
     }

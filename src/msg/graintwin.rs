@@ -21,6 +21,23 @@ pub struct BoundaryCommand {
     pub displacement: [f64; wall::COUNT],
 }
 
+/// What each wall shall do: stand somewhere, or carry a load.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct WallTargets {
+    /// When the rig measured or issued it.
+    pub header: Header,
+    /// A new session restarts the sequence.
+    pub session: String,
+    /// Increases by one within a session, boundary commands counted too.
+    pub sequence: u64,
+    /// A [`Mode`](crate::command::Mode) as a number.
+    pub mode: u8,
+    /// The kind of each wall's [`WallTarget`](crate::wall::WallTarget) as a number.
+    pub control: [u8; wall::COUNT],
+    /// Its value \[m, N or Pa\].
+    pub value: [f64; wall::COUNT],
+}
+
 /// Forces on the six walls.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct WallForces {
@@ -186,6 +203,11 @@ message!(
     BoundaryCommand,
     &[Header::TYPE],
     "c111f0dffddf988806420ff4569bcfaf07c7976e48d53e5f1c3651bc57951f32"
+);
+message!(
+    WallTargets,
+    &[Header::TYPE],
+    "3b2053161b0e565e63222cf7562102a4c724f5137ce28963446e2475fdfb72fb"
 );
 message!(
     WallForces,

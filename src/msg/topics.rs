@@ -3,7 +3,7 @@
 use super::schema::{Described, MessageType};
 use super::{
     BoundaryCommand, ContactNetwork, Event, JointState, Moduli, PackState, Report, WallForces,
-    WrenchStamped,
+    WallTargets, WrenchStamped,
 };
 use crate::wall;
 
@@ -80,6 +80,8 @@ impl Topic {
 /// In: [`BoundaryCommand`]; deep enough for the largest burst, since a subscriber of unlimited
 /// depth loses samples.
 pub static BOUNDARY_COMMAND: Topic = Topic::new("boundary_command", BoundaryCommand::TYPE, 20_000);
+/// In: [`WallTargets`].
+pub static WALL_TARGETS: Topic = Topic::new("wall_targets", WallTargets::TYPE, 20_000);
 /// Out: [`Report`].
 pub static REPORT: Topic = Topic::new("report", Report::TYPE, 256);
 /// Out: [`WallForces`].
@@ -107,11 +109,8 @@ pub static EVENTS: Topic = Topic::new("events", Event::TYPE, 64);
 
 /// Every topic, commands first.
 pub fn all() -> impl Iterator<Item = &'static Topic> {
-    [&BOUNDARY_COMMAND, &REPORT, &WALL_FORCES].into_iter().chain(&WALL_WRENCH).chain([
-        &WALL_STATES,
-        &STATE,
-        &MODULI,
-        &CONTACT_NETWORK,
-        &EVENTS,
-    ])
+    [&BOUNDARY_COMMAND, &WALL_TARGETS, &REPORT, &WALL_FORCES]
+        .into_iter()
+        .chain(&WALL_WRENCH)
+        .chain([&WALL_STATES, &STATE, &MODULI, &CONTACT_NETWORK, &EVENTS])
 }

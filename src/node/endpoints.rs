@@ -12,7 +12,7 @@ use super::NodeError;
 use super::names::Identity;
 use crate::msg::{
     BoundaryCommand, ContactNetwork, Event, JointState, Moduli, PackState, Report, Topic,
-    WallForces, WrenchStamped, topics,
+    WallForces, WallTargets, WrenchStamped, topics,
 };
 use crate::wall;
 
@@ -41,15 +41,24 @@ pub(super) struct Out<M: Serialize> {
     name: String,
 }
 
+/// What the node subscribes to.
+pub(super) struct Subscriptions {
+    pub commands: Subscription<BoundaryCommand>,
+    pub targets: Subscription<WallTargets>,
+}
+
 impl Endpoints {
     /// Makes every endpoint of `node`. All of them exist before anything asks who is matched:
     /// asking while others are made has been seen to deadlock.
     pub(super) fn new(
         mut node: Node,
         identity: &Identity,
-    ) -> Result<(Self, Subscription<BoundaryCommand>), NodeError> {
+    ) -> Result<(Self, Subscriptions), NodeError> {
         let [x_min, x_max, y_min, y_max, z_min, z_max] = &topics::WALL_WRENCH;
-        let commands = subscribe(&mut node, identity, &topics::BOUNDARY_COMMAND)?;
+        let subscriptions = Subscriptions {
+            commands: subscribe(&mut node, identity, &topics::BOUNDARY_COMMAND)?,
+            targets: subscribe(&mut node, identity, &topics::WALL_TARGETS)?,
+        };
         let endpoints = Self {
             wall_forces: Out::new(&mut node, identity, &topics::WALL_FORCES)?,
             wrenches: [
@@ -68,7 +77,7 @@ impl Endpoints {
             report: Out::new(&mut node, identity, &topics::REPORT)?,
             node,
         };
-        Ok((endpoints, commands))
+        Ok((endpoints, subscriptions))
     }
 
     /// Whether somebody subscribed to any topic.

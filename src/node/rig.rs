@@ -3,6 +3,7 @@
 //! It has a participant and a node of its own, `virtual_rig` in the namespace of the twin, and knows of the twin only what
 //! comes over the network, so that one program on one machine shows the whole path.
 
+use std::mem::discriminant;
 use std::pin::pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -17,7 +18,8 @@ use tokio::time::{sleep, timeout};
 use super::endpoints::{Out, subscribe};
 use super::{EndOfCommands, Identity, NodeError, SPINNER_END, create, participant, spin};
 use crate::command::Command;
-use crate::msg::{BoundaryCommand, Report, topics};
+use crate::msg::convert::CommandMessage;
+use crate::msg::{BoundaryCommand, Report, WallTargets, topics};
 use crate::scene;
 
 /// Name of the rig's node.
@@ -117,9 +119,29 @@ impl Drop for DeclareAtEnd {
     }
 }
 
+/// The topics of the commands.
+struct Commands {
+    boundary: Out<BoundaryCommand>,
+    targets: Out<WallTargets>,
+}
+
+impl Commands {
+    fn are_matched(&self, node: &Node) -> bool {
+        self.boundary.is_matched(node) && self.targets.is_matched(node)
+    }
+
+    /// False when the command is lost.
+    async fn publish(&self, command: &Command) -> bool {
+        match CommandMessage::from(command) {
+            CommandMessage::Boundary(message) => self.boundary.publish(message).await,
+            CommandMessage::Targets(message) => self.targets.publish(message).await,
+        }
+    }
+}
+
 /// The rig's end of the wire. Fields drop in this order, as they must.
 struct Link {
-    commands: Out<BoundaryCommand>,
+    commands: Commands,
     reports: Subscription<Report>,
     node: Node,
     spinner: Spinner,
@@ -129,7 +151,10 @@ struct Link {
 impl Link {
     fn new(context: Context, twin: &Identity) -> Result<Self, NodeError> {
         let (mut node, spinner) = create(&context, twin.namespace(), NODE)?;
-        let commands = Out::new(&mut node, twin, &topics::BOUNDARY_COMMAND)?;
+        let commands = Commands {
+            boundary: Out::new(&mut node, twin, &topics::BOUNDARY_COMMAND)?,
+            targets: Out::new(&mut node, twin, &topics::WALL_TARGETS)?,
+        };
         let reports = subscribe(&mut node, twin, &topics::REPORT)?;
         Ok(Self { commands, reports, node, spinner, context })
     }
@@ -159,13 +184,13 @@ impl Link {
 
 /// Returns when both directions are matched, or when `stop` is raised.
 async fn find_twin(
-    commands: &Out<BoundaryCommand>,
+    commands: &Commands,
     reports: &Subscription<Report>,
     node: &Node,
     stop: &AtomicBool,
 ) -> Result<(), RigError> {
     let start = Instant::now();
-    while !(commands.is_matched(node) && reports.get_publisher_count(node) > 0) {
+    while !(commands.are_matched(node) && reports.get_publisher_count(node) > 0) {
         if stop.load(Ordering::Relaxed) {
             break;
         }
@@ -186,22 +211,28 @@ struct InFlight {
 
 /// Publishes `path` and takes the reports until every command has one.
 async fn exchange(
-    commands: &Out<BoundaryCommand>,
+    commands: &Commands,
     reports: &Subscription<Report>,
     path: Vec<Command>,
     stop: &AtomicBool,
 ) -> Result<Played, RigError> {
-    let mut path = path.into_iter();
+    let Some(first) = path.first() else { return Ok(Played::default()) };
+    let mut topic = discriminant(&first.ask);
+    let mut path = path.into_iter().peekable();
     let mut in_flight: Vec<InFlight> = Vec::with_capacity(IN_FLIGHT);
     let mut round_trips = Vec::new();
     let mut sent = 0;
     let mut reports = pin!(reports.async_stream());
     while !stop.load(Ordering::Relaxed) {
         while in_flight.len() < IN_FLIGHT
+            && let Some(command) = path.peek()
+            // What goes over two topics could overtake.
+            && (in_flight.is_empty() || discriminant(&command.ask) == topic)
             && let Some(command) = path.next()
         {
+            topic = discriminant(&command.ask);
             let start = Instant::now();
-            if !commands.publish(BoundaryCommand::from(&command)).await {
+            if !commands.publish(&command).await {
                 return Err(RigError::CommandLost { sequence: command.sequence });
             }
             sent += 1;

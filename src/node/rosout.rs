@@ -15,7 +15,7 @@ use tracing_subscriber::Layer;
 use tracing_subscriber::layer::Context;
 
 use super::names::Identity;
-use super::{NodeError, clock};
+use super::{NodeError, wall_clock};
 use crate::msg::rcl::Log;
 
 /// The topic.
@@ -65,7 +65,7 @@ impl<S: Subscriber> Layer<S> for RosoutLayer {
         // Full, or nobody publishes any more: either way there is nobody to tell.
         self.0
             .try_send(Log {
-                stamp: clock::now(),
+                stamp: wall_clock::now(),
                 level,
                 name: String::new(),
                 msg: text.0,

@@ -6,7 +6,7 @@
 
 use super::Pack;
 use super::generate::{CompactError, compact};
-use crate::command::{Command, Disposition, Mode, Stamp};
+use crate::command::{Ask, Command, Disposition, Mode, Stamp};
 use crate::report::{Demand, PackState, Report};
 use crate::scene::Scene;
 use crate::scene::prepare::{End, Isotropic, Steady, Step, Uniaxial};
@@ -200,7 +200,7 @@ impl<'a> Rig<'a> {
             session: "prepare".into(),
             sequence: self.sequence,
             mode: Mode::Absolute,
-            displacement: self.travel.map(|travel| strain * travel),
+            ask: Ask::Displacement(self.travel.map(|travel| strain * travel)),
             age: None,
         };
         let report = self.twin.apply(&command, STATE);

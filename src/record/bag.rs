@@ -11,10 +11,11 @@ use serde::Serialize;
 use super::{HISTORY, Provenance, metadata};
 use crate::command::Stamp;
 use crate::msg::cdr::{self, CdrError};
+use crate::msg::convert::CommandMessage;
 use crate::msg::topics::{self, Topic};
 use crate::msg::{
     BoundaryCommand, ContactNetwork, Described, Event, JointState, Moduli, PackState, Report,
-    WallForces, WrenchStamped, convert,
+    WallForces, WallTargets, WrenchStamped, convert,
 };
 use crate::relax::lanes;
 use crate::report::Measures;
@@ -141,7 +142,14 @@ impl<W: Write> BagWriter<W> {
     /// Writes one answer, served at `time`; says whether it is still in an open chunk.
     pub(super) fn answer(&mut self, served: &Served, time: u64) -> Result<bool, BagError> {
         if let Some(command) = &served.command {
-            self.write(&topics::BOUNDARY_COMMAND, &BoundaryCommand::from(command), time)?;
+            match CommandMessage::from(command) {
+                CommandMessage::Boundary(message) => {
+                    self.write(&topics::BOUNDARY_COMMAND, &message, time)?;
+                }
+                CommandMessage::Targets(message) => {
+                    self.write(&topics::WALL_TARGETS, &message, time)?;
+                }
+            }
         }
         self.write(&topics::REPORT, &Report::from(&served.report), time)?;
         if let Some(measures) = &served.report.measures {
@@ -274,6 +282,7 @@ macro_rules! stamped {
 
 stamped!(
     BoundaryCommand,
+    WallTargets,
     Report,
     WallForces,
     WrenchStamped,

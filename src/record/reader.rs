@@ -130,7 +130,7 @@ impl Bag {
         Survey::of(self)
     }
 
-    /// The boundary commands in the order of the bag, from whatever topic has their type.
+    /// The commands in the order of the bag, from whatever topics have their types.
     ///
     /// # Errors
     /// The iterator's items are errors where the bag is damaged or a command is none; it ends

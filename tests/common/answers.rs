@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use graintwin::command::{Command, Disposition, Mode, Stamp};
+use graintwin::command::{Ask, Command, Disposition, Mode, Stamp};
 use graintwin::record::Provenance;
 use graintwin::report::{
     ContactNetwork, Event, EventKind, Measures, Moduli, PackState, Report, WallForces,
@@ -50,7 +50,9 @@ fn command(sequence: u64) -> Command {
         session: if sequence < 4 { "erste Sitzung, Öl".into() } else { String::new() },
         sequence,
         mode: if sequence.is_multiple_of(2) { Mode::Absolute } else { Mode::Increment },
-        displacement: std::array::from_fn(|wall| 1e-7 * sequence as f64 / (wall as f64 + 3.0)),
+        ask: Ask::Displacement(std::array::from_fn(|wall| {
+            1e-7 * sequence as f64 / (wall as f64 + 3.0)
+        })),
         age: None,
     }
 }

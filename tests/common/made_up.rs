@@ -40,7 +40,7 @@ impl MadeUpTwin {
     /// Serves `command`, or refuses what is no command.
     pub(crate) fn apply(&mut self, command: &Command, demand: Demand) -> Arc<Served> {
         let known = matches!(command.mode, Mode::Absolute | Mode::Increment);
-        let valid = known && command.displacement.iter().all(|value| value.is_finite());
+        let valid = known && command.ask.numbers().iter().all(|value| value.is_finite());
         self.increment += u64::from(valid);
         let (disposition, text) = match valid {
             true => (Disposition::Applied, ""),

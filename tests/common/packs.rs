@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use graintwin::command::{Command, Disposition, Mode, Stamp};
+use graintwin::command::{Ask, Command, Disposition, Mode, Stamp};
 use graintwin::pack::generate::generate;
 use graintwin::pack::{Grain, Pack};
 use graintwin::report::{Demand, Measures, PackState, Report};
@@ -109,7 +109,7 @@ pub(crate) fn absolute(sequence: u64, displacement: [f64; wall::COUNT]) -> Comma
         session: "test".into(),
         sequence,
         mode: Mode::Absolute,
-        displacement,
+        ask: Ask::Displacement(displacement),
         age: None,
     }
 }

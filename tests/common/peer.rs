@@ -78,7 +78,7 @@ fn commands_json(commands: &[Command]) -> String {
                 "session": command.session,
                 "sequence": command.sequence,
                 "mode": u8::from(command.mode),
-                "displacement": command.displacement.map(|value| format!("{value:?}")),
+                "displacement": command.ask.numbers().map(|value| format!("{value:?}")),
             })
         })
         .collect();

@@ -13,9 +13,8 @@ use tokio::task::JoinHandle;
 
 use super::{Descriptor, Field, Kind, Parameters, Refusal, Value, find, list};
 use crate::msg::rcl;
-use crate::node::clock;
 use crate::node::names::Identity;
-use crate::node::{NodeError, mapping};
+use crate::node::{NodeError, mapping, wall_clock};
 use crate::scene;
 
 /// Where changes are told.
@@ -164,7 +163,7 @@ impl Events {
             return;
         }
         let event = rcl::ParameterEvent {
-            stamp: clock::now(),
+            stamp: wall_clock::now(),
             node: self.node.clone(),
             changed_parameters,
             ..rcl::ParameterEvent::default()

@@ -1,15 +1,19 @@
-//! The boundary commands in a bag.
+//! The commands in a bag.
 
 use super::items::{Item, Items};
 use super::{Bag, Channel, Message, ReadError};
 use crate::command::Command;
-use crate::msg::{BoundaryCommand, Described, cdr};
+use crate::msg::{BoundaryCommand, Described, MessageType, WallTargets, cdr};
 
-/// The boundary commands of a bag; see [`Bag::commands`].
+/// Types that are commands.
+const KINDS: [&MessageType; 2] = [BoundaryCommand::TYPE, WallTargets::TYPE];
+
+/// The commands of a bag; see [`Bag::commands`].
 pub struct Commands<'a> {
     bag: &'a Bag,
     items: Items<'a>,
-    topic: Option<String>,
+    /// Topic of the boundary commands and of the wall targets.
+    topics: [Option<String>; 2],
     others: Vec<String>,
     commands: u64,
     ended: bool,
@@ -18,25 +22,24 @@ pub struct Commands<'a> {
 impl<'a> Commands<'a> {
     pub(super) fn new(bag: &'a Bag) -> Self {
         let items = bag.items();
-        Self { bag, items, topic: None, others: Vec::new(), commands: 0, ended: false }
+        Self { bag, items, topics: [None, None], others: Vec::new(), commands: 0, ended: false }
     }
 
     /// Notes a topic, and refuses commands that would not be understood.
     fn channel(&mut self, channel: &Channel) -> Result<(), ReadError> {
-        if channel.kind != BoundaryCommand::TYPE.full_name() {
+        let Some(kind) = KINDS.iter().position(|kind| channel.kind == kind.full_name()) else {
             self.others.push(format!("{} ({})", channel.topic, channel.kind));
             return Ok(());
-        }
+        };
         let path = self.bag.path.clone();
         let topic = channel.topic.clone();
-        match self.topic.replace(topic.clone()) {
+        match self.topics[kind].replace(topic.clone()) {
             Some(first) if first != topic => {
                 return Err(ReadError::TwoCommandTopics { path, topics: [first, topic] });
             }
             _ => {}
         }
-        if channel.encoding == "cdr"
-            && same_fields(&channel.definition, &BoundaryCommand::TYPE.definition())
+        if channel.encoding == "cdr" && same_fields(&channel.definition, &KINDS[kind].definition())
         {
             Ok(())
         } else {
@@ -45,12 +48,14 @@ impl<'a> Commands<'a> {
     }
 
     fn command(&mut self, message: &Message) -> Option<Result<Command, ReadError>> {
-        if Some(&message.channel.topic) != self.topic.as_ref() {
-            return None;
-        }
+        let topic = Some(&message.channel.topic);
+        let kind = self.topics.iter().position(|known| known.as_ref() == topic)?;
         self.commands += 1;
-        let command = cdr::decode::<BoundaryCommand>(&message.data);
-        Some(command.map(Command::from).map_err(|error| ReadError::Command {
+        let command = match kind {
+            0 => cdr::decode::<BoundaryCommand>(&message.data).map(Command::from),
+            _ => cdr::decode::<WallTargets>(&message.data).map(Command::from),
+        };
+        Some(command.map_err(|error| ReadError::Command {
             path: self.bag.path.clone(),
             number: self.commands,
             error,
