@@ -56,7 +56,7 @@ fn command_lines(file: &Path, given: &Arguments) -> Vec<Vec<String>> {
             "arg" => {
                 let name = attribute("name");
                 assert!(!attribute("description").is_empty());
-                if !arguments.contains_key(&name) {
+                if !given.contains_key(&name) {
                     let default = attribute("default");
                     arguments.insert(name, default);
                 }

@@ -13,12 +13,22 @@ mod network;
 mod python;
 
 use std::fs;
+use std::net::Ipv4Addr;
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus};
+use std::time::Duration;
 
 use graintwin::command::Disposition;
+use graintwin::msg::rcl;
 use network::{Loopback, alone};
+use ros2_client::dds::rustdds::DomainParticipantBuilder;
+use ros2_client::{
+    Client, Context, Message, Name, Node, NodeName, NodeOptions, QosProfile, ServiceMapping,
+    ServiceTypeName,
+};
 use serde_json::{Value, json};
+use tokio::runtime::Builder;
+use tokio::time::timeout;
 
 /// A grain between six walls that it touches: the smallest specimen with forces.
 const SCENE: &str = "
@@ -188,4 +198,110 @@ fn arguments_that_no_node_takes_end_the_program_before_it_joins_anything() {
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
         assert!(said.contains(told), "{arguments:?}: {said}");
     }
+}
+
+#[test]
+fn the_virtual_rig_finds_a_node_whatever_it_is_called() {
+    alone(the_virtual_rig_finds_a_node_whatever_it_is_called, Loopback::Plain, || {
+        let folder = tempfile::tempdir().unwrap();
+        specimen(folder.path());
+        let scene = "
+pack: {file: grain.csv, box: {min: [-1.0e-3, -1.0e-3, -1.0e-3], max: [1.0e-3, 1.0e-3, 1.0e-3]}}
+node: {virtual_rig: true}
+load_path: {isotropic: {strain: 1.0e-5, increments: 20}}
+";
+        fs::write(folder.path().join("played.yaml"), scene).unwrap();
+        let output = Command::new(env!("CARGO_BIN_EXE_graintwin"))
+            .current_dir(folder.path())
+            .args(["run", "played.yaml", "--json", "--ros-args", "-r", "__ns:=/lab/a"])
+            .args(["-r", "__node:=twin", "-r", "~/boundary_command:=/rig/command"])
+            .args(["-r", "/lab/a/twin/report:=answers"])
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{said}");
+        let summary: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(summary["commands"], json!({"APPLIED": 20}), "{said}");
+        assert_eq!(summary["virtual_rig"]["answered"], json!(20));
+    });
+}
+
+#[test]
+fn without_a_word_about_the_middleware_parameters_answer_in_the_common_mapping() {
+    alone(
+        without_a_word_about_the_middleware_parameters_answer_in_the_common_mapping,
+        Loopback::Plain,
+        || {
+            let folder = tempfile::tempdir().unwrap();
+            specimen(folder.path());
+            let scene = SCENE.replace("service_mapping: cyclone", "");
+            fs::write(folder.path().join("scene.yaml"), scene).unwrap();
+            let program = Command::new(env!("CARGO_BIN_EXE_graintwin"))
+                .current_dir(folder.path())
+                .env_remove("RMW_IMPLEMENTATION")
+                .args(["run", "scene.yaml", "--ros"])
+                .spawn()
+                .map(Program)
+                .unwrap();
+            let (described, set) = ask_in_the_common_mapping();
+            assert_eq!(described.descriptors[0].kind, 1);
+            assert!(described.descriptors[0].description.contains("/clock"));
+            assert!(!set.result.successful);
+            assert!(set.result.reason.starts_with("version is read-only"), "{}", set.result.reason);
+            let ended = program.terminate();
+            assert!(ended.success(), "{ended}");
+        },
+    );
+}
+
+/// Describes one parameter and sets another, as a client of `rmw_fastrtps_cpp`'s mapping.
+fn ask_in_the_common_mapping() -> (rcl::Descriptors, rcl::OneResult) {
+    let domain = std::env::var("ROS_DOMAIN_ID").map_or(0, |text| text.parse().unwrap());
+    let participant = DomainParticipantBuilder::new(domain)
+        .with_only_networks([Ipv4Addr::LOCALHOST])
+        .build()
+        .unwrap();
+    let context = Context::from_domain_participant(participant).unwrap();
+    let name = NodeName::new("/", "asker").unwrap();
+    let mut node = context.new_node(name, NodeOptions::new()).unwrap();
+    let describe = client::<rcl::Names, rcl::Descriptors>(
+        &mut node,
+        "describe_parameters",
+        "DescribeParameters",
+    );
+    let set = client::<rcl::SetParameters, rcl::OneResult>(
+        &mut node,
+        "set_parameters_atomically",
+        "SetParametersAtomically",
+    );
+    let runtime = Builder::new_multi_thread().worker_threads(1).enable_time().build().unwrap();
+    runtime.spawn(node.spinner().unwrap().spin());
+    runtime.block_on(async {
+        let answers = async {
+            describe.wait_for_service(&node).await;
+            let names = vec!["use_sim_time".to_owned()];
+            let described = describe.async_call_service(rcl::Names { names }).await.unwrap();
+            set.wait_for_service(&node).await;
+            let value = rcl::ParameterValue {
+                kind: 4,
+                string_value: "2".into(),
+                ..rcl::ParameterValue::default()
+            };
+            let parameters = vec![rcl::Parameter { name: "version".into(), value }];
+            let set = set.async_call_service(rcl::SetParameters { parameters }).await.unwrap();
+            (described, set)
+        };
+        timeout(Duration::from_secs(60), answers).await.expect("an answer within a minute")
+    })
+}
+
+fn client<Q, A>(node: &mut Node, name: &str, kind: &str) -> Client<Q, A>
+where
+    Q: Message + Clone + 'static,
+    A: Message + 'static,
+{
+    let qos = QosProfile::publisher_default();
+    let name = Name::new("/graintwin", name).unwrap();
+    let kind = ServiceTypeName::new("rcl_interfaces", kind);
+    node.create_client(ServiceMapping::Enhanced, &name, &kind, qos.clone(), qos).unwrap()
 }

@@ -147,7 +147,10 @@ pub(super) fn subscribe<M: 'static>(
 
 /// The full name of a topic on the network.
 fn live_name(identity: &Identity, topic: &Topic) -> String {
-    identity.resolve(&format!("~/{}", topic.name))
+    match topic.name.starts_with('/') {
+        true => identity.resolve(topic.name),
+        false => identity.resolve(&format!("~/{}", topic.name)),
+    }
 }
 
 fn create_topic(
@@ -171,6 +174,6 @@ fn create_topic(
     Ok((dds_topic, qos))
 }
 
-pub(super) fn endpoint_error(name: &str, error: &dyn std::error::Error) -> NodeError {
+fn endpoint_error(name: &str, error: &dyn std::error::Error) -> NodeError {
     NodeError::Endpoint { topic: name.into(), reason: error.to_string() }
 }
