@@ -39,17 +39,17 @@ pub(super) fn start(cli: &Cli) -> (MultiProgress, ForNode) {
         .with_writer(AboveBars(bars.clone()));
     let log = tracing_subscriber::registry().with(filter);
     #[cfg(feature = "ros")]
-    let for_node = {
+    {
         let asked = cli.ros_args.as_ref().map(|args| args.log.clone()).unwrap_or_default();
         let (rosout, records) = graintwin::node::rosout::layer();
         log.with(asked.console.then_some(console)).with(asked.rosout.then_some(rosout)).init();
-        asked.rosout.then_some(records)
-    };
+        (bars, asked.rosout.then_some(records))
+    }
     #[cfg(not(feature = "ros"))]
-    let for_node = {
+    {
         log.with(console).init();
-    };
-    (bars, for_node)
+        (bars, ())
+    }
 }
 
 /// Clears the bars while a line is written.

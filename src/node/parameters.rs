@@ -1,6 +1,6 @@
 //! The parameters of the node: what each means, which values it takes, and what it is now.
 //!
-//! The store is pure: [`services`] speaks DDS for it. A set is all or nothing. Values that hold for
+//! The store is pure; the node's services speak DDS for it. A set is all or nothing. Values that hold for
 //! the running twin reach it through [`Changes`], which the solver's thread looks at between two
 //! commands.
 
