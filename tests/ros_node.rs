@@ -105,7 +105,7 @@ fn the_virtual_rig_plays_its_path_over_a_plain_loopback_and_ends_the_run() {
             let rig = Rig::start(
                 &scene::Node::default(),
                 &Identity::default(),
-                path.clone(),
+                path.clone().into(),
                 node.end_of_commands(),
                 &stop,
             )
@@ -209,7 +209,7 @@ fn sigterm_ends_a_node_in_the_middle_of_its_work() {
         let rig = Rig::start(
             &scene::Node::default(),
             &Identity::default(),
-            path(1_000_000),
+            path(1_000_000).into(),
             node.end_of_commands(),
             &stop,
         )

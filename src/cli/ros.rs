@@ -3,13 +3,13 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use graintwin::command::Command;
 use graintwin::command::request::Intake;
 use graintwin::node::args::{RosArgs, Severity};
 use graintwin::node::parameters::{Parameters, overrides};
 use graintwin::node::rig::{Played, Rig, RigError};
 use graintwin::node::rosout::Records;
 use graintwin::node::{self, Identity, Node, Setup};
+use graintwin::path::Path;
 use graintwin::scene::Scene;
 use graintwin::sink::Sink;
 
@@ -28,19 +28,19 @@ pub(super) struct Linked {
 }
 
 impl Link {
-    /// Starts the node that `setup` describes; a rig plays `commands` to it when the scene has one or when they were
-    /// `given` by name.
+    /// Starts the node that `setup` describes; a rig plays `path` to it when the scene has one or
+    /// when its commands were `given` by name.
     pub(super) fn start(
         scene: &Scene,
         setup: Setup,
-        commands: Vec<Command>,
+        path: Path,
         given: bool,
         stop: &Arc<AtomicBool>,
     ) -> Result<Self, Failure> {
         let twin = setup.identity.clone();
         let node = Node::start(&scene.node, setup, &scene.outputs, stop).map_err(Failure::other)?;
         let plays = scene.node.virtual_rig || given;
-        if !plays && !commands.is_empty() {
+        if !plays && path.length() > 0 {
             tracing::warn!(
                 "commands come from the topic, not from load_path: node.virtual_rig plays it there"
             );
@@ -48,8 +48,8 @@ impl Link {
         let rig = match plays {
             false => None,
             true => {
-                let count = commands.len();
-                let rig = Rig::start(&scene.node, &twin, commands, node.end_of_commands(), stop);
+                let count = path.length();
+                let rig = Rig::start(&scene.node, &twin, path, node.end_of_commands(), stop);
                 Some((rig.map_err(Failure::other)?, count))
             }
         };

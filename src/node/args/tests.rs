@@ -47,7 +47,7 @@ fn what_ros2_launch_passes_is_understood() {
         "-r",
         "__ns:=/lab",
         "--params-file",
-        "/tmp/p.yaml",
+        "dir/p.yaml",
         "-p",
         "use_sim_time:=true",
         "--remap",
@@ -66,7 +66,7 @@ fn what_ros2_launch_passes_is_understood() {
     assert_eq!(kinds[0], RemapKind::Node("twin".into()));
     assert_eq!(kinds[1], RemapKind::Namespace("/lab".into()));
     assert_eq!(kinds[2], RemapKind::Name { from: "~/state".into(), to: "/state".into() });
-    assert_eq!(args.parameters[0], Source::File("/tmp/p.yaml".into()));
+    assert_eq!(args.parameters[0], Source::File("dir/p.yaml".into()));
     assert_eq!(args.parameters.len(), 2);
     assert_eq!(args.log.level, Some(Severity::Debug));
     assert_eq!(args.log.loggers, [("rustdds.rtps".to_owned(), Severity::Fatal)]);
