@@ -21,10 +21,13 @@ mod specimen;
 mod stop;
 mod summary;
 
+use std::ffi::OsString;
 use std::path::Path;
 
 use clap::{ArgAction, Parser, Subcommand};
 
+#[cfg(feature = "ros")]
+use graintwin::node::args::{self, RosArgs};
 use graintwin::scene::{self, Loaded};
 
 pub(crate) use failure::{Failure, Outcome};
@@ -42,7 +45,9 @@ pub(crate) use failure::{Failure, Outcome};
     after_long_help = "Exit codes: 0 done; 1 failure; 2 wrong arguments or input file; \
                        3 finished, but a command was refused or data was lost.\n\n\
                        Results go to stdout, messages and progress to stderr. RUST_LOG, when set, \
-                       takes the place of -v and -q."
+                       takes the place of -v, -q and --log-level.\n\n\
+                       --ros-args ... [--] takes what ros2 launch and ros2 run pass to a node \
+                       (-r, -p, --params-file, --log-level); run then joins ROS 2 as with --ros."
 )]
 pub(crate) struct Cli {
     #[command(subcommand)]
@@ -64,6 +69,11 @@ pub(crate) struct Cli {
     /// Prints the scene with all defaults and does nothing else.
     #[arg(long, global = true)]
     print_config: bool,
+
+    /// What stood behind --ros-args.
+    #[cfg(feature = "ros")]
+    #[arg(skip)]
+    ros_args: Option<RosArgs>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -95,11 +105,29 @@ impl Cli {
     }
 }
 
+/// Reads the command line. Wrong arguments of the program's own end it here, with 2.
+pub(crate) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Cli, Failure> {
+    #[cfg(feature = "ros")]
+    let (arguments, ros_args) = args::split(arguments).map_err(Failure::input)?;
+    let cli = Cli::parse_from(arguments);
+    #[cfg(feature = "ros")]
+    let cli = Cli { ros_args, ..cli };
+    Ok(cli)
+}
+
 /// Does what the arguments ask for.
 pub(crate) fn run(cli: &Cli) -> Result<Outcome, Failure> {
-    let bars = log::start(cli.verbose, cli.quiet);
+    let (bars, log) = log::start(cli);
+    #[cfg(feature = "ros")]
+    for sentence in cli.ros_args.iter().flat_map(|args| &args.ignored) {
+        tracing::warn!("{sentence}");
+    }
+    #[cfg(feature = "ros")]
+    if cli.ros_args.is_some() && !matches!(cli.verb, Verb::Run(_)) {
+        tracing::warn!("--ros-args is for `graintwin run` and is ignored");
+    }
     match &cli.verb {
-        Verb::Run(args) => run::run(args, cli, &bars),
+        Verb::Run(args) => run::run(args, cli, &bars, log),
         Verb::Generate(args) => generate::run(args, cli, &bars),
         Verb::Check(args) => check::run(args, cli),
         #[cfg(feature = "mcap")]

@@ -4,11 +4,9 @@ mod cli;
 
 use std::process::ExitCode;
 
-use clap::Parser;
-
 /// The one place that turns an outcome into an exit code. Wrong arguments end in clap, with 2.
 fn main() -> ExitCode {
-    let ended = cli::run(&cli::Cli::parse());
+    let ended = cli::parse(std::env::args_os()).and_then(|cli| cli::run(&cli));
     let code = match &ended {
         Ok(cli::Outcome::Done) => 0,
         Err(cli::Failure::Other(_)) => 1,

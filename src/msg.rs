@@ -10,6 +10,8 @@
 pub mod cdr;
 pub mod convert;
 pub mod graintwin;
+#[cfg(feature = "ros")]
+pub mod rcl;
 pub mod schema;
 pub mod standard;
 pub mod topics;

@@ -1,7 +1,7 @@
 //! The twin as a ROS 2 node over DDS: commands in, answers out.
 //!
-//! The node is `/graintwin`; its topics, with their types and qualities of service, are those of
-//! [`crate::msg::topics`]. It needs no ROS 2 installation. Who does what:
+//! The node is `/graintwin` until [`args`] rename it; its topics, with their types and qualities of
+//! service, are those of [`crate::msg::topics`]. It needs no ROS 2 installation. Who does what:
 //!
 //! ```text
 //! topic -> receive task -> bounded queue -> solver's thread -> queue -> outbox task -> topics
@@ -16,14 +16,15 @@
 //!
 //! ```no_run
 //! # use std::sync::{Arc, atomic::AtomicBool};
-//! # use graintwin::{command::request::Intake, node::Node, report::Demand, scene};
+//! # use graintwin::{command::request::Intake, report::Demand, scene};
+//! # use graintwin::node::{Node, Setup};
 //! # use graintwin::sink::{Served, Sink};
 //! # fn run(
 //! #     scene: &scene::Scene,
 //! #     serve: fn(&Intake, Demand) -> Arc<Served>,
 //! # ) -> Result<(), graintwin::node::NodeError> {
 //! let stop = Arc::new(AtomicBool::new(false)); // raised by SIGINT and SIGTERM
-//! let mut node = Node::start(&scene.node, &scene.outputs, &stop)?;
+//! let mut node = Node::start(&scene.node, Setup::default(), &scene.outputs, &stop)?;
 //! let mut sink = node.sink();
 //! for intake in node.commands() {
 //!     sink.served(&serve(&intake, sink.demand()));
@@ -32,13 +33,19 @@
 //! # Ok(()) }
 //! ```
 
+pub mod args;
 mod commands;
 mod counters;
 mod endpoints;
 mod frames;
+mod mapping;
+mod names;
 mod outbox;
+pub mod parameters;
 mod participant;
 pub mod rig;
+pub mod rosout;
+mod wall_clock;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -54,10 +61,13 @@ pub use commands::{Commands, EndOfCommands};
 use counters::Counters;
 pub use counters::Summary;
 use endpoints::{Endpoints, Subscriptions};
+pub use names::Identity;
 pub use outbox::NodeSink;
 use outbox::{Item, Outbox};
+use parameters::Parameters;
+use parameters::services::Services;
+use rosout::{Records, Rosout};
 
-use crate::msg::topics;
 use crate::scene::{self, Outputs};
 
 /// Log directives for the middleware, to go before those of the user. At WARN it tells, on a
@@ -113,18 +123,29 @@ pub enum NodeError {
     #[error("cannot create the ROS 2 node `{name}`: {reason}")]
     Node {
         /// Its name.
-        name: &'static str,
+        name: String,
         /// What the middleware says.
         reason: String,
     },
-    /// No publisher or subscription.
-    #[error("cannot create the endpoint of {topic}: {reason}")]
+    /// No publisher, subscription or service.
+    #[error("cannot create {topic}: {reason}")]
     Endpoint {
-        /// Full name of the topic.
+        /// Full name of the topic or service.
         topic: String,
         /// What the middleware says.
         reason: String,
     },
+}
+
+/// What makes this node a particular one.
+#[derive(Debug, Default)]
+pub struct Setup {
+    /// Its name, and those of its topics and services.
+    pub identity: Identity,
+    /// Its parameters; without them it has no services for any.
+    pub parameters: Option<Parameters>,
+    /// What goes to `/rosout`; without it nothing does.
+    pub log: Option<Records>,
 }
 
 /// The running node. [`Node::stop`] ends it in order; dropping it ends it at once.
@@ -153,12 +174,22 @@ impl Node {
     /// When the domain is out of range or the middleware refuses something.
     pub fn start(
         options: &scene::Node,
+        setup: Setup,
         outputs: &Outputs,
         stop: &Arc<AtomicBool>,
     ) -> Result<Self, NodeError> {
-        let context = participant::join(options)?;
-        let (ros_node, spinner) = create(&context, topics::NODE)?;
-        let (endpoints, subscriptions) = Endpoints::new(ros_node)?;
+        let Setup { identity, parameters, log } = setup;
+        let (context, undone) = participant::join(options)?;
+        let (mut ros_node, spinner) = create(&context, identity.namespace(), identity.name())?;
+        let log = match log {
+            Some(records) => Some((Rosout::new(&mut ros_node, &identity)?, records)),
+            None => None,
+        };
+        let parameters = match parameters {
+            Some(store) => Some((Services::new(&mut ros_node, &identity, options)?, store)),
+            None => None,
+        };
+        let (endpoints, subscriptions) = Endpoints::new(ros_node, &identity)?;
         let endpoints = Arc::new(endpoints);
         let runtime = Builder::new_multi_thread()
             .worker_threads(THREADS)
@@ -189,7 +220,18 @@ impl Node {
         };
         let publishing = runtime.spawn(outbox.run(outbox_out));
 
-        tracing::info!("node /{} is in DDS domain {}", topics::NODE, context.domain_id());
+        let mut tasks: Vec<_> =
+            receiving.into_iter().chain([stopping, pacing, publishing]).collect();
+        if let Some((services, store)) = parameters {
+            tasks.extend(services.serve(&runtime, &store));
+        }
+        if let Some((rosout, records)) = log {
+            tasks.push(runtime.spawn(rosout.run(records)));
+        }
+        for sentence in undone {
+            tracing::warn!("{sentence}");
+        }
+        tracing::info!("node {} is in DDS domain {}", identity.full_name(), context.domain_id());
         Ok(Self {
             commands: Commands::new(commands_out, Arc::clone(stop)),
             end_of_commands,
@@ -197,7 +239,7 @@ impl Node {
             counters,
             outputs: *outputs,
             stop: Arc::clone(stop),
-            tasks: receiving.into_iter().chain([stopping, pacing, publishing]).collect(),
+            tasks,
             spinner,
             endpoints,
             runtime,
@@ -262,16 +304,17 @@ impl Node {
     }
 }
 
-/// A node of `context` at the root of the name space, and the background task it needs.
+/// A node of `context`, and the background task it needs.
 fn create(
     context: &Context,
-    name: &'static str,
+    namespace: &str,
+    name: &str,
 ) -> Result<(ros2_client::Node, ros2_client::Spinner), NodeError> {
-    let failed = |reason: String| NodeError::Node { name, reason };
-    let node_name = NodeName::new("/", name).map_err(|error| failed(error.to_string()))?;
+    let failed = |reason: String| NodeError::Node { name: name.into(), reason };
+    let node_name = NodeName::new(namespace, name).map_err(|error| failed(error.to_string()))?;
     // The parameter services of the middleware speak to one of the two common RMWs only, and make
-    // the tools of the other hang.
-    let options = NodeOptions::new().start_parameter_services(false);
+    // the tools of the other hang. Its publisher of the log waits for subscribers.
+    let options = NodeOptions::new().start_parameter_services(false).enable_rosout(false);
     let mut node =
         context.new_node(node_name, options).map_err(|error| failed(error.to_string()))?;
     let spinner = node.spinner().map_err(|error| failed(error.to_string()))?;

@@ -38,12 +38,12 @@ pub use load_path::{
     Unload, WallsStep,
 };
 pub use material::Material;
-pub use node::{Discovery, Node};
+pub use node::{Discovery, Node, ServiceMapping};
 pub use outputs::{Markers, ModuliKind, Outputs, When};
 pub use pack::{Generate, PackSource, Radius};
 pub use record::{Compression, Record};
 pub use rig_log::{Lateral, RigLog, StrainUnit};
-pub use solver::{Method, Solver};
+pub use solver::{MAX_STRAIN_INCREMENT, Method, Solver, TOLERANCE};
 pub use targets::Targets;
 pub use walls::Walls;
 

@@ -31,7 +31,7 @@ use graintwin::command::request::Intake;
 use graintwin::command::{Ask, Command, Mode, Stamp};
 use graintwin::msg::{self, topics};
 use graintwin::node::rig::Rig;
-use graintwin::node::{Node, Summary};
+use graintwin::node::{Identity, Node, Setup, Summary};
 use graintwin::report::Demand;
 use graintwin::scene::{self, Outputs, When};
 use graintwin::sink::{Served, Sink};
@@ -62,7 +62,7 @@ fn serve(mut node: Node, mut twin: MadeUpTwin) -> (Vec<Arc<Served>>, Summary) {
 }
 
 fn start(outputs: &Outputs, stop: &Arc<AtomicBool>) -> Node {
-    Node::start(&scene::Node::default(), outputs, stop).unwrap()
+    Node::start(&scene::Node::default(), Setup::default(), outputs, stop).unwrap()
 }
 
 fn flag() -> Arc<AtomicBool> {
@@ -104,6 +104,7 @@ fn the_virtual_rig_plays_its_path_over_a_plain_loopback_and_ends_the_run() {
             let path = path(2000);
             let rig = Rig::start(
                 &scene::Node::default(),
+                &Identity::default(),
                 path.clone().into(),
                 node.end_of_commands(),
                 &stop,
@@ -207,6 +208,7 @@ fn sigterm_ends_a_node_in_the_middle_of_its_work() {
         let mut node = start(&Outputs::default(), &stop);
         let rig = Rig::start(
             &scene::Node::default(),
+            &Identity::default(),
             path(1_000_000).into(),
             node.end_of_commands(),
             &stop,

@@ -469,6 +469,10 @@ fn values_out_of_range_are_named_with_line_column_field_and_what_is_allowed() {
         ),
         ("node: {stale_after: -1}", "2:21: node.stale_after: -1.0 is outside stale_after >= 0 s"),
         ("node: {domain_id: 233}", "2:19: node.domain_id: 233 is outside 0 to 232"),
+        (
+            "node: {service_mapping: basic}",
+            "2:25: node.service_mapping: unknown variant `basic`, expected one of auto, enhanced",
+        ),
         ("record: {chunk: 4 miB}", "2:17: record.chunk: `4 miB` is no size"),
         ("record: {chunk: 99999999999 GiB}", "2:17: record.chunk: `99999999999 GiB` is no size"),
         ("record: {chunk: 64 KiB}", "2:17: record.chunk: 65536 bytes is outside 1 MiB to 1 GiB"),

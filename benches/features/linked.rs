@@ -7,7 +7,7 @@ use std::thread::sleep;
 use std::time::Duration;
 
 use graintwin::msg::{self, topics};
-use graintwin::node::{Node, NodeSink};
+use graintwin::node::{Node, NodeSink, Setup};
 use graintwin::scene::Scene;
 use graintwin::sink::Sink;
 use ros2_client::dds::rustdds::DomainParticipantBuilder;
@@ -33,7 +33,8 @@ struct Subscriber {
 impl Linked {
     pub(crate) fn start(subscribed: bool, scene: &Scene) -> Self {
         let stop = Arc::new(AtomicBool::new(false));
-        let node = Node::start(&scene.node, &scene.outputs, &stop).expect("a node");
+        let node =
+            Node::start(&scene.node, Setup::default(), &scene.outputs, &stop).expect("a node");
         let sink = node.sink();
         Self { node, sink, subscriber: subscribed.then(Subscriber::new) }
     }

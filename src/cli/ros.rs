@@ -4,13 +4,16 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use graintwin::command::request::Intake;
+use graintwin::node::args::{RosArgs, Severity};
+use graintwin::node::parameters::{Parameters, overrides};
 use graintwin::node::rig::{Played, Rig, RigError};
-use graintwin::node::{self, Node};
+use graintwin::node::rosout::Records;
+use graintwin::node::{self, Identity, Node, Setup};
 use graintwin::path::Path;
 use graintwin::scene::Scene;
 use graintwin::sink::Sink;
 
-use super::Failure;
+use super::{Cli, Failure};
 
 /// The node and whoever plays to it.
 pub(super) struct Link {
@@ -25,15 +28,17 @@ pub(super) struct Linked {
 }
 
 impl Link {
-    /// Starts the node; a rig plays `path` to it when the scene has one or when its commands were
-    /// `given` by name.
+    /// Starts the node that `setup` describes; a rig plays `path` to it when the scene has one or
+    /// when its commands were `given` by name.
     pub(super) fn start(
         scene: &Scene,
+        setup: Setup,
         path: Path,
         given: bool,
         stop: &Arc<AtomicBool>,
     ) -> Result<Self, Failure> {
-        let node = Node::start(&scene.node, &scene.outputs, stop).map_err(Failure::other)?;
+        let twin = setup.identity.clone();
+        let node = Node::start(&scene.node, setup, &scene.outputs, stop).map_err(Failure::other)?;
         let plays = scene.node.virtual_rig || given;
         if !plays && path.length() > 0 {
             tracing::warn!(
@@ -44,7 +49,7 @@ impl Link {
             false => None,
             true => {
                 let count = path.length();
-                let rig = Rig::start(&scene.node, path, node.end_of_commands(), stop);
+                let rig = Rig::start(&scene.node, &twin, path, node.end_of_commands(), stop);
                 Some((rig.map_err(Failure::other)?, count))
             }
         };
@@ -69,5 +74,63 @@ impl Link {
         self.node.end_of_commands().declare();
         let rig = self.rig.map(|(rig, _)| rig.join());
         Linked { node: self.node.stop(), rig }
+    }
+}
+
+/// The node that the command line asks for; `None` when it asks for none. The values that it gives
+/// to parameters are written into `scene`.
+pub(super) fn setup(
+    asked: bool,
+    cli: &Cli,
+    scene: &mut Scene,
+    log: Option<Records>,
+) -> Result<Option<Setup>, Failure> {
+    if !asked && cli.ros_args.is_none() {
+        return Ok(None);
+    }
+    let args = cli.ros_args.clone().unwrap_or_default();
+    let identity = Identity::new(&args.remaps);
+    let overrides = overrides::read(&args.parameters, &identity).map_err(Failure::input)?;
+    let parameters = Parameters::new(scene, threads(cli));
+    for sentence in parameters.start_with(&overrides).map_err(Failure::input)? {
+        tracing::warn!("{sentence}");
+    }
+    parameters.live().write_to(scene);
+    Ok(Some(Setup { identity, parameters: Some(parameters), log }))
+}
+
+/// Threads that the solver will work on.
+fn threads(cli: &Cli) -> usize {
+    match cli.threads() {
+        0 => std::thread::available_parallelism().map_or(1, usize::from),
+        threads => threads,
+    }
+}
+
+/// Directives for the log: the middleware's, `level` or what `--log-level` puts in its place, and
+/// the loggers it names. The node's own logger is the program.
+pub(super) fn log_filter(cli: &Cli, level: &'static str) -> String {
+    let RosArgs { log, remaps, .. } = cli.ros_args.clone().unwrap_or_default();
+    let mut filter =
+        format!("{},{}", graintwin::node::LOG_FILTER, log.level.map_or(level, directive));
+    let own = Identity::new(&remaps).logger();
+    for (logger, severity) in &log.loggers {
+        let target = match *logger == own {
+            true => env!("CARGO_PKG_NAME").into(),
+            false => logger.replace('.', "::"),
+        };
+        filter.push_str(&format!(",{target}={}", directive(*severity)));
+    }
+    filter
+}
+
+fn directive(severity: Severity) -> &'static str {
+    match severity {
+        Severity::Debug => "debug",
+        Severity::Info => "info",
+        Severity::Warn => "warn",
+        Severity::Error => "error",
+        // What ends the program is told outside of the log.
+        Severity::Fatal => "off",
     }
 }

@@ -15,11 +15,12 @@ use graintwin::scene::Loaded;
 use graintwin::sink::Sink;
 use graintwin::twin::Twin;
 
+use super::log::ForNode;
 use super::progress::Progress;
 #[cfg(feature = "mcap")]
 use super::recording::{self, Recording};
 #[cfg(feature = "ros")]
-use super::ros::Link;
+use super::ros::{self, Link};
 use super::summary::Summary;
 use super::{Cli, Failure, Outcome, output, serve, specimen, stop};
 
@@ -27,8 +28,9 @@ use super::{Cli, Failure, Outcome, output, serve, specimen, stop};
 ///
 /// Commands come from --commands, else from the scene's own load_path. Without either the pack is
 /// brought to equilibrium and measured. With --ros they come from the topic
-/// /graintwin/boundary_command; when the scene has a node.virtual_rig, or --commands is given, a
-/// rig inside the program publishes them there. At the end a summary goes to stdout.
+/// /graintwin/boundary_command, which --ros-args can rename; when the scene has a
+/// node.virtual_rig, or --commands is given, a rig inside the program publishes them there. At the
+/// end a summary goes to stdout.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = "Example:\n  \
     graintwin run launch_configs/rig_log.yaml --ros --record bags/rig_log\n\n\
@@ -59,8 +61,21 @@ pub(super) struct Args {
     json: bool,
 }
 
-pub(super) fn run(args: &Args, cli: &Cli, bars: &MultiProgress) -> Result<Outcome, Failure> {
+pub(super) fn run(
+    args: &Args,
+    cli: &Cli,
+    bars: &MultiProgress,
+    log: ForNode,
+) -> Result<Outcome, Failure> {
     let Some(loaded) = cli.scene(&args.scene)? else { return Ok(Outcome::Done) };
+    #[cfg(feature = "ros")]
+    let (loaded, setup) = {
+        let mut loaded = loaded;
+        let setup = ros::setup(args.ros, cli, &mut loaded.scene, log)?;
+        (loaded, setup)
+    };
+    #[cfg(not(feature = "ros"))]
+    let () = log;
     let given = args.commands.as_deref().map(read_commands).transpose()?;
     #[cfg(feature = "mcap")]
     args.record.as_deref().map(recording::reserve).transpose()?;
@@ -82,9 +97,9 @@ pub(super) fn run(args: &Args, cli: &Cli, bars: &MultiProgress) -> Result<Outcom
     let mut recording = start_recording(args, &loaded, pack, twin.threads())?;
 
     #[cfg(feature = "ros")]
-    let (mut link, path) = match args.ros {
-        true => (Some(Link::start(&loaded.scene, path, plays, &stop)?), None),
-        false => (None, Some(path)),
+    let (mut link, path) = match setup {
+        Some(setup) => (Some(Link::start(&loaded.scene, setup, path, plays, &stop)?), None),
+        None => (None, Some(path)),
     };
     #[cfg(not(feature = "ros"))]
     let path = Some(path);

@@ -9,6 +9,7 @@ use ros2_client::{
 use serde::Serialize;
 
 use super::NodeError;
+use super::names::Identity;
 use crate::msg::{
     BoundaryCommand, ContactNetwork, Event, JointState, Moduli, PackState, Report, Topic,
     WallForces, WallTargets, WrenchStamped, topics,
@@ -36,7 +37,8 @@ pub(super) struct Endpoints {
 /// A publisher and the topic it publishes on.
 pub(super) struct Out<M: Serialize> {
     publisher: Publisher<M>,
-    topic: &'static Topic,
+    /// Full name of the topic.
+    name: String,
 }
 
 /// What the node subscribes to.
@@ -48,28 +50,31 @@ pub(super) struct Subscriptions {
 impl Endpoints {
     /// Makes every endpoint of `node`. All of them exist before anything asks who is matched:
     /// asking while others are made has been seen to deadlock.
-    pub(super) fn new(mut node: Node) -> Result<(Self, Subscriptions), NodeError> {
+    pub(super) fn new(
+        mut node: Node,
+        identity: &Identity,
+    ) -> Result<(Self, Subscriptions), NodeError> {
         let [x_min, x_max, y_min, y_max, z_min, z_max] = &topics::WALL_WRENCH;
         let subscriptions = Subscriptions {
-            commands: subscribe(&mut node, &topics::BOUNDARY_COMMAND)?,
-            targets: subscribe(&mut node, &topics::WALL_TARGETS)?,
+            commands: subscribe(&mut node, identity, &topics::BOUNDARY_COMMAND)?,
+            targets: subscribe(&mut node, identity, &topics::WALL_TARGETS)?,
         };
         let endpoints = Self {
-            wall_forces: Out::new(&mut node, &topics::WALL_FORCES)?,
+            wall_forces: Out::new(&mut node, identity, &topics::WALL_FORCES)?,
             wrenches: [
-                Out::new(&mut node, x_min)?,
-                Out::new(&mut node, x_max)?,
-                Out::new(&mut node, y_min)?,
-                Out::new(&mut node, y_max)?,
-                Out::new(&mut node, z_min)?,
-                Out::new(&mut node, z_max)?,
+                Out::new(&mut node, identity, x_min)?,
+                Out::new(&mut node, identity, x_max)?,
+                Out::new(&mut node, identity, y_min)?,
+                Out::new(&mut node, identity, y_max)?,
+                Out::new(&mut node, identity, z_min)?,
+                Out::new(&mut node, identity, z_max)?,
             ],
-            wall_states: Out::new(&mut node, &topics::WALL_STATES)?,
-            state: Out::new(&mut node, &topics::STATE)?,
-            moduli: Out::new(&mut node, &topics::MODULI)?,
-            contact_network: Out::new(&mut node, &topics::CONTACT_NETWORK)?,
-            events: Out::new(&mut node, &topics::EVENTS)?,
-            report: Out::new(&mut node, &topics::REPORT)?,
+            wall_states: Out::new(&mut node, identity, &topics::WALL_STATES)?,
+            state: Out::new(&mut node, identity, &topics::STATE)?,
+            moduli: Out::new(&mut node, identity, &topics::MODULI)?,
+            contact_network: Out::new(&mut node, identity, &topics::CONTACT_NETWORK)?,
+            events: Out::new(&mut node, identity, &topics::EVENTS)?,
+            report: Out::new(&mut node, identity, &topics::REPORT)?,
             node,
         };
         Ok((endpoints, subscriptions))
@@ -89,12 +94,18 @@ impl Endpoints {
 }
 
 impl<M: Serialize> Out<M> {
-    pub(super) fn new(node: &mut Node, topic: &'static Topic) -> Result<Self, NodeError> {
-        let (dds_topic, qos) = create_topic(node, topic)?;
+    /// A publisher of `node` on a topic of the node `identity`.
+    pub(super) fn new(
+        node: &mut Node,
+        identity: &Identity,
+        topic: &Topic,
+    ) -> Result<Self, NodeError> {
+        let name = live_name(identity, topic);
+        let (dds_topic, qos) = create_topic(node, &name, topic)?;
         let publisher = node
             .create_publisher(&dds_topic, Some(qos))
-            .map_err(|error| endpoint_error(topic, &error))?;
-        Ok(Self { publisher, topic })
+            .map_err(|error| endpoint_error(&name, &error))?;
+        Ok(Self { publisher, name })
     }
 
     /// Whether somebody subscribed.
@@ -115,7 +126,7 @@ impl<M: Serialize> Out<M> {
                 Ok(()) => return true,
                 Err(WriteError::WouldBlock { data }) => message = data,
                 Err(error) => {
-                    tracing::error!("a message on {} is lost: {error}", self.topic.recorded_name());
+                    tracing::error!("a message on {} is lost: {error}", self.name);
                     return false;
                 }
             }
@@ -123,18 +134,29 @@ impl<M: Serialize> Out<M> {
     }
 }
 
-/// A subscription of `node`.
+/// A subscription of `node` to a topic of the node `identity`.
 pub(super) fn subscribe<M: 'static>(
     node: &mut Node,
-    topic: &'static Topic,
+    identity: &Identity,
+    topic: &Topic,
 ) -> Result<Subscription<M>, NodeError> {
-    let (dds_topic, qos) = create_topic(node, topic)?;
-    node.create_subscription(&dds_topic, Some(qos)).map_err(|error| endpoint_error(topic, &error))
+    let name = live_name(identity, topic);
+    let (dds_topic, qos) = create_topic(node, &name, topic)?;
+    node.create_subscription(&dds_topic, Some(qos)).map_err(|error| endpoint_error(&name, &error))
+}
+
+/// The full name of a topic on the network.
+fn live_name(identity: &Identity, topic: &Topic) -> String {
+    match topic.name.starts_with('/') {
+        true => identity.resolve(topic.name),
+        false => identity.resolve(&format!("~/{}", topic.name)),
+    }
 }
 
 fn create_topic(
     node: &Node,
-    topic: &'static Topic,
+    name: &str,
+    topic: &Topic,
 ) -> Result<(dds::rustdds::Topic, QosProfile), NodeError> {
     let durability = match topic.qos.durability {
         topics::Durability::Volatile => Durability::Volatile,
@@ -145,14 +167,13 @@ fn create_topic(
         .reliability_reliable(WhenFull::Wait(ATTEMPT))
         .durability(durability)
         .history(History::KeepLast { depth: topic.qos.depth as usize });
-    let name =
-        Name::parse(&topic.recorded_name()).map_err(|error| endpoint_error(topic, &error))?;
+    let parsed = Name::parse(name).map_err(|error| endpoint_error(name, &error))?;
     let kind = MessageTypeName::new(topic.kind.package, topic.kind.name);
     let dds_topic =
-        node.create_topic(&name, kind, &qos).map_err(|error| endpoint_error(topic, &error))?;
+        node.create_topic(&parsed, kind, &qos).map_err(|error| endpoint_error(name, &error))?;
     Ok((dds_topic, qos))
 }
 
-fn endpoint_error(topic: &Topic, error: &dyn std::error::Error) -> NodeError {
-    NodeError::Endpoint { topic: topic.recorded_name(), reason: error.to_string() }
+fn endpoint_error(name: &str, error: &dyn std::error::Error) -> NodeError {
+    NodeError::Endpoint { topic: name.into(), reason: error.to_string() }
 }

@@ -1,5 +1,7 @@
 //! Joining the DDS domain: which one, and over which interfaces.
 
+mod reach;
+
 use std::ffi::OsString;
 use std::net::Ipv4Addr;
 
@@ -15,17 +17,20 @@ const LAST_DOMAIN: u16 = 232;
 /// Variable that says which domain the ROS 2 programs of a machine are in.
 const DOMAIN_VARIABLE: &str = "ROS_DOMAIN_ID";
 
-/// A new participant in the domain that `options` and the environment name.
-pub(super) fn join(options: &scene::Node) -> Result<Context, NodeError> {
+/// A new participant in the domain that `options` and the environment name, and what of the
+/// environment cannot be done, in sentences.
+pub(super) fn join(options: &scene::Node) -> Result<(Context, Vec<String>), NodeError> {
     let domain = domain(options.domain_id, std::env::var_os(DOMAIN_VARIABLE))?;
+    let (discovery, undone) = reach::reach(options.discovery, |name| std::env::var_os(name));
     let mut builder = DomainParticipantBuilder::new(domain);
-    if options.discovery == Discovery::Localhost {
+    if discovery == Discovery::Localhost {
         builder = builder.with_only_networks([Ipv4Addr::LOCALHOST]);
     }
     let participant =
         builder.build().map_err(|error| NodeError::Domain { domain, reason: error.to_string() })?;
-    Context::from_domain_participant(participant)
-        .map_err(|error| NodeError::Domain { domain, reason: error.to_string() })
+    let context = Context::from_domain_participant(participant)
+        .map_err(|error| NodeError::Domain { domain, reason: error.to_string() })?;
+    Ok((context, undone))
 }
 
 /// The scene's domain when it names one, else the machine's, else 0.

@@ -1,9 +1,9 @@
 //! A rig inside the program: it plays a load path to the node over DDS, as a rig outside would.
 //!
-//! It has a participant and a node of its own, `/virtual_rig`, and knows of the twin only what
-//! comes over the network, so that one program on one machine shows the whole path. Where loads
-//! took the walls, which a step of the path begins from, it knows from the path's own
-//! [`Whereabouts`](crate::path::Whereabouts).
+//! It has a participant and a node of its own, `virtual_rig` in the namespace of the twin, and
+//! knows of the twin only what comes over the network, so that one program on one machine shows the
+//! whole path. Where loads took the walls, which a step of the path begins from, it knows from the
+//! path's own [`Whereabouts`](crate::path::Whereabouts).
 
 use std::mem::discriminant;
 use std::pin::pin;
@@ -18,7 +18,7 @@ use tokio::runtime::{Builder, Runtime};
 use tokio::time::{sleep, timeout};
 
 use super::endpoints::{Out, subscribe};
-use super::{EndOfCommands, NodeError, SPINNER_END, create, participant, spin};
+use super::{EndOfCommands, Identity, NodeError, SPINNER_END, create, participant, spin};
 use crate::command::Command;
 use crate::msg::convert::CommandMessage;
 use crate::msg::{BoundaryCommand, Report, WallTargets, topics};
@@ -82,19 +82,22 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// Joins the domain of `options` and plays `path` from a thread of its own as soon as the
-    /// twin's node is found. When the last command is answered, when the rig fails, or when `stop`
+    /// Joins the domain of `options` and plays `path` from a thread of its own as soon as the node
+    /// `twin` is found. When the last command is answered, when the rig fails, or when `stop`
     /// is raised, it declares the `end` of the commands, which ends the run.
     ///
     /// # Errors
     /// When the domain is out of range or the middleware refuses something.
     pub fn start(
         options: &scene::Node,
+        twin: &Identity,
         path: Path,
         end: EndOfCommands,
         stop: &Arc<AtomicBool>,
     ) -> Result<Self, NodeError> {
-        let link = Link::new(participant::join(options)?)?;
+        // What of the environment cannot be done, the node has said.
+        let (context, _) = participant::join(options)?;
+        let link = Link::new(context, twin)?;
         let runtime = Builder::new_current_thread().enable_time().build()?;
         let stop = Arc::clone(stop);
         let thread = thread::Builder::new().name(NODE.to_owned()).spawn(move || {
@@ -152,13 +155,13 @@ struct Link {
 }
 
 impl Link {
-    fn new(context: Context) -> Result<Self, NodeError> {
-        let (mut node, spinner) = create(&context, NODE)?;
+    fn new(context: Context, twin: &Identity) -> Result<Self, NodeError> {
+        let (mut node, spinner) = create(&context, twin.namespace(), NODE)?;
         let commands = Commands {
-            boundary: Out::new(&mut node, &topics::BOUNDARY_COMMAND)?,
-            targets: Out::new(&mut node, &topics::WALL_TARGETS)?,
+            boundary: Out::new(&mut node, twin, &topics::BOUNDARY_COMMAND)?,
+            targets: Out::new(&mut node, twin, &topics::WALL_TARGETS)?,
         };
-        let reports = subscribe(&mut node, &topics::REPORT)?;
+        let reports = subscribe(&mut node, twin, &topics::REPORT)?;
         Ok(Self { commands, reports, node, spinner, context })
     }
 

@@ -1,8 +1,16 @@
 //! Relaxation to equilibrium.
 
+use std::ops::RangeInclusive;
+
 use serde::{Deserialize, Serialize};
 
 use super::check::{Field, Problems};
+
+/// What [`Solver::tolerance`] may be.
+pub const TOLERANCE: RangeInclusive<f64> = 1e-13..=1e-2;
+
+/// Largest [`Solver::max_strain_increment`]; it must be above 0.
+pub const MAX_STRAIN_INCREMENT: f64 = 0.1;
 
 /// Relaxation to equilibrium.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -55,13 +63,13 @@ impl Solver {
             at.key("tolerance"),
             self.tolerance,
             "1e-13 <= tolerance <= 1e-2",
-            |tolerance| (1e-13..=1e-2).contains(&tolerance),
+            |tolerance| TOLERANCE.contains(&tolerance),
         );
         problems.number(
             at.key("max_strain_increment"),
             self.max_strain_increment,
             "0 < max_strain_increment <= 0.1",
-            |strain| 0.0 < strain && strain <= 0.1,
+            |strain| 0.0 < strain && strain <= MAX_STRAIN_INCREMENT,
         );
         problems.number(
             at.key("max_overlap_share"),
