@@ -36,6 +36,7 @@ mod commands;
 mod counters;
 mod endpoints;
 mod frames;
+mod mapping;
 mod outbox;
 mod participant;
 pub mod rig;

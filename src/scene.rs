@@ -37,7 +37,7 @@ pub use load_path::{
     Unload,
 };
 pub use material::Material;
-pub use node::{Discovery, Node};
+pub use node::{Discovery, Node, ServiceMapping};
 pub use outputs::{Markers, ModuliKind, Outputs, When};
 pub use pack::{Generate, PackSource, Radius};
 pub use record::{Compression, Record};

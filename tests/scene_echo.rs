@@ -7,8 +7,8 @@ use std::path::Path;
 use graintwin::scene::{
     self, Axis, Compression, Contact, Coulomb, Discovery, Friction, Generate, Isotropic, Lateral,
     Law, LoadPath, Markers, Material, Method, ModuliKind, Moving, Node, Normal, Outputs,
-    PackSource, Polyaxial, Radius, Record, Repeat, RigLog, Scene, Solver, Step, StrainUnit,
-    Triaxial, Uniaxial, Unload, Update, Walls, When, prepare,
+    PackSource, Polyaxial, Radius, Record, Repeat, RigLog, Scene, ServiceMapping, Solver, Step,
+    StrainUnit, Triaxial, Uniaxial, Unload, Update, Walls, When, prepare,
 };
 use graintwin::wall::Bounds;
 use proptest::option;
@@ -213,12 +213,18 @@ fn service() -> impl Strategy<Value = (Outputs, Node, Record)> {
         moduli,
     });
     let reach = prop::sample::select(vec![Discovery::Localhost, Discovery::Subnet]);
-    let node = (reach, 0..=232_u16, 0.0..1e6, any::<bool>()).prop_map(
-        |(discovery, domain_id, stale_after, virtual_rig)| Node {
+    let mapping = prop::sample::select(vec![
+        ServiceMapping::Auto,
+        ServiceMapping::Enhanced,
+        ServiceMapping::Cyclone,
+    ]);
+    let node = (reach, 0..=232_u16, 0.0..1e6, any::<bool>(), mapping).prop_map(
+        |(discovery, domain_id, stale_after, virtual_rig, service_mapping)| Node {
             discovery,
             domain_id,
             stale_after,
             virtual_rig,
+            service_mapping,
         },
     );
     let kind = prop::sample::select(vec![Compression::Zstd, Compression::Lz4, Compression::None]);

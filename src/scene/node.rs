@@ -19,11 +19,19 @@ pub struct Node {
     pub stale_after: f64,
     /// A rig inside the program publishes the load path as commands through DDS.
     pub virtual_rig: bool,
+    /// How services go over DDS.
+    pub service_mapping: ServiceMapping,
 }
 
 impl Default for Node {
     fn default() -> Self {
-        Self { discovery: Discovery::Localhost, domain_id: 0, stale_after: 0.0, virtual_rig: false }
+        Self {
+            discovery: Discovery::Localhost,
+            domain_id: 0,
+            stale_after: 0.0,
+            virtual_rig: false,
+            service_mapping: ServiceMapping::Auto,
+        }
     }
 }
 
@@ -45,4 +53,18 @@ pub enum Discovery {
     Localhost,
     /// Every interface.
     Subnet,
+}
+
+/// How services go over DDS. Peers with another middleware than the mapping is for cannot call
+/// them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ServiceMapping {
+    /// That of the middleware which `RMW_IMPLEMENTATION` names; without it `enhanced`.
+    #[default]
+    Auto,
+    /// Of `rmw_fastrtps_cpp` and most others.
+    Enhanced,
+    /// Of `rmw_cyclonedds_cpp`.
+    Cyclone,
 }
