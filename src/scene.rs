@@ -10,6 +10,7 @@ mod error;
 mod load;
 mod load_path;
 mod material;
+mod measured_wrench;
 mod node;
 mod outputs;
 mod pack;
@@ -37,6 +38,7 @@ pub use load_path::{
     Unload,
 };
 pub use material::Material;
+pub use measured_wrench::MeasuredWrench;
 pub use node::{Discovery, Node, ServiceMapping};
 pub use outputs::{Markers, ModuliKind, Outputs, When};
 pub use pack::{Generate, PackSource, Radius};

@@ -80,6 +80,14 @@ pub(super) fn run(args: &Args, cli: &Cli, bars: &MultiProgress) -> Result<Outcom
         true => Some(Link::start(&loaded.scene, commands.clone(), given.is_some(), &stop)?),
         false => None,
     };
+    #[cfg(feature = "ros")]
+    if let Some(link) = &mut link {
+        #[cfg(feature = "mcap")]
+        let handle = recording.as_ref().map(Recording::handle);
+        #[cfg(not(feature = "mcap"))]
+        let handle = None;
+        link.diagnose(&loaded.scene, handle);
+    }
     let served = {
         let mut sinks: Vec<Box<dyn Sink + '_>> = Vec::new();
         #[cfg(feature = "ros")]

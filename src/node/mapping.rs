@@ -14,7 +14,6 @@ const CYCLONE: &str = "rmw_cyclonedds_cpp";
 
 /// The mapping of every service of the node: that of the scene, or of the environment's middleware
 /// where the scene leaves it open.
-#[allow(dead_code, reason = "the services come next")]
 pub(super) fn service_mapping(options: &scene::Node) -> ServiceMapping {
     choose(options.service_mapping, std::env::var_os(RMW_VARIABLE).as_deref())
 }

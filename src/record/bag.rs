@@ -14,13 +14,13 @@ use crate::msg::cdr::{self, CdrError};
 use crate::msg::convert::CommandMessage;
 use crate::msg::topics::{self, Topic};
 use crate::msg::{
-    BoundaryCommand, ContactNetwork, Described, Event, JointState, Moduli, PackState, Report,
-    WallForces, WallTargets, WrenchStamped, convert,
+    BoundaryCommand, ContactNetwork, Described, Discrepancy, Event, JointState, Moduli, PackState,
+    Report, WallForces, WallTargets, WrenchStamped, convert,
 };
 use crate::relax::lanes;
 use crate::report::Measures;
 use crate::scene::{self, Compression};
-use crate::sink::Served;
+use crate::sink::{Beside, Served};
 
 /// Why a bag could not be written on.
 #[derive(Debug, thiserror::Error)]
@@ -158,6 +158,23 @@ impl<W: Write> BagWriter<W> {
         Ok(self.open > 0)
     }
 
+    /// Writes what came or went beside the answers, at `time`; says whether it is still in an open
+    /// chunk.
+    pub(super) fn beside(&mut self, beside: &Beside, time: u64) -> Result<bool, BagError> {
+        match beside {
+            Beside::Measured(wall, wrench) => {
+                self.write(&topics::MEASURED_WRENCH[*wall], wrench, time)?;
+            }
+            Beside::Discrepancy(message) => self.write(&topics::DISCREPANCY, message, time)?,
+        }
+        Ok(self.open > 0)
+    }
+
+    /// Messages so far.
+    pub(super) fn messages(&self) -> u64 {
+        self.contents.messages()
+    }
+
     fn measures(&mut self, measures: &Measures, time: u64) -> Result<(), BagError> {
         self.write(&topics::WALL_FORCES, &convert::wall_forces(measures), time)?;
         for (wall, topic) in topics::WALL_WRENCH.iter().enumerate() {
@@ -290,5 +307,6 @@ stamped!(
     PackState,
     Moduli,
     ContactNetwork,
-    Event
+    Event,
+    Discrepancy
 );
