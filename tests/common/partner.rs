@@ -47,9 +47,7 @@ impl Partner {
         let name = Name::parse(&format!("/graintwin/{name}")).unwrap();
         let kind = ServiceTypeName::new(S::TYPE.package, S::TYPE.name);
         let qos = QosProfile::publisher_default();
-        self.node
-            .create_client(ServiceMapping::Enhanced, &name, &kind, qos.clone(), qos)
-            .unwrap()
+        self.node.create_client(ServiceMapping::Enhanced, &name, &kind, qos.clone(), qos).unwrap()
     }
 
     pub(crate) fn subscribe<M: 'static>(&mut self, topic: &Topic) -> Subscription<M> {
