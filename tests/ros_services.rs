@@ -19,8 +19,8 @@ mod python;
 mod script;
 
 use std::pin::pin;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::Duration;
 
@@ -35,7 +35,7 @@ use graintwin::msg::{DiagnosticArray, topics};
 use graintwin::node::{Node, Summary};
 use graintwin::report::Demand;
 use graintwin::scene::{self, MeasuredWrench, Outputs, ServiceMapping};
-use graintwin::sink::{Served, Sink};
+use graintwin::sink::{Beside, Recording, RecordingState, Served, Sink};
 use graintwin::wall;
 use made_up::MadeUpTwin;
 use network::{Loopback, alone};
@@ -58,10 +58,10 @@ struct Outcome {
 }
 
 impl Running {
-    fn start(options: &scene::Node, answer: fn(&Request) -> Answer) -> Self {
+    fn start(options: &scene::Node, recording: Option<Arc<dyn Recording>>) -> Self {
         let stop = Arc::<AtomicBool>::default();
         let mut node = Node::start(options, &Outputs::default(), &stop).unwrap();
-        node.diagnose("probe 7", None);
+        node.diagnose("probe 7", recording);
         let thread = thread::spawn(move || {
             let mut twin = MadeUpTwin::new(3);
             let mut sink = node.sink();
@@ -77,7 +77,7 @@ impl Running {
                     }
                     Intake::Request(asked) => {
                         requests.push(asked.request.clone());
-                        let said = answer(&asked.request);
+                        let said = nearly_all(&asked.request);
                         asked.answer(said);
                     }
                 }
@@ -90,6 +90,20 @@ impl Running {
     fn end(self) -> Outcome {
         self.stop.store(true, Ordering::Relaxed);
         self.thread.join().unwrap()
+    }
+}
+
+/// A recording that keeps everything.
+#[derive(Default)]
+struct Kept(Mutex<Vec<Beside>>);
+
+impl Recording for Kept {
+    fn beside(&self, beside: Beside) {
+        self.0.lock().unwrap().push(beside);
+    }
+
+    fn state(&self) -> RecordingState {
+        RecordingState::default()
     }
 }
 
@@ -120,7 +134,7 @@ fn a_cyclone_peer_gets_an_answer_of_every_service_in_the_mapping_of_its_middlewa
         |python| {
             let options =
                 scene::Node { service_mapping: ServiceMapping::Cyclone, ..scene::Node::default() };
-            let node = Running::start(&options, nearly_all);
+            let node = Running::start(&options, None);
             let received = perform(
                 python,
                 &json!({"listen": {}, "steps": [
@@ -151,7 +165,7 @@ fn a_node_of_the_other_mapping_gets_an_answer_of_every_service() {
     alone(a_node_of_the_other_mapping_gets_an_answer_of_every_service, Loopback::Multicast, || {
         let options =
             scene::Node { service_mapping: ServiceMapping::Enhanced, ..scene::Node::default() };
-        let node = Running::start(&options, nearly_all);
+        let node = Running::start(&options, None);
         let mut partner = Partner::new();
         let hold = partner.client::<SetBool>("hold");
         let reset = partner.client::<Trigger>("reset");
@@ -304,7 +318,7 @@ fn a_peer_that_comes_late_gets_the_frames_of_the_walls_and_the_diagnostics_of_ev
     alone_with_peer(
         a_peer_that_comes_late_gets_the_frames_of_the_walls_and_the_diagnostics_of_every_part,
         |python| {
-            let node = Running::start(&scene::Node::default(), nearly_all);
+            let node = Running::start(&scene::Node::default(), None);
             // Long after the frames went out; the peer takes longer still to come.
             thread::sleep(Duration::from_secs(1));
             let mut invalid = command(2, 2.0);
@@ -368,7 +382,7 @@ fn a_peer_that_comes_late_gets_the_frames_of_the_walls_and_the_diagnostics_of_ev
 fn the_age_of_a_command_is_counted_on_the_time_that_a_peer_says_it_is() {
     alone_with_peer(the_age_of_a_command_is_counted_on_the_time_that_a_peer_says_it_is, |python| {
         let options = scene::Node { use_sim_time: true, ..scene::Node::default() };
-        let node = Running::start(&options, nearly_all);
+        let node = Running::start(&options, None);
         let clock = json!({
             "publish": "/clock",
             "type": "Clock",
@@ -406,7 +420,8 @@ fn the_twin_is_compared_with_what_a_peer_measures() {
         measured_wrench.walls[Z_MIN] = true;
         measured_wrench.walls[Z_MAX] = true;
         let options = scene::Node { measured_wrench, ..scene::Node::default() };
-        let node = Running::start(&options, nearly_all);
+        let kept = Arc::<Kept>::default();
+        let node = Running::start(&options, Some(Arc::clone(&kept) as Arc<dyn Recording>));
         let cell = |wall: &str, seconds: f64, force: f64| {
             json!({
                 "publish": format!("/graintwin/measured_wrench/{wall}"),
@@ -460,5 +475,24 @@ fn the_twin_is_compared_with_what_a_peer_measures() {
             assert_eq!(number(message, "rig_force", 0), None);
         }
         assert!(!outcome.summary.data_lost(), "{:?}", outcome.summary);
+
+        let kept = kept.0.lock().unwrap();
+        let of_wall = |wall| {
+            let forces = kept.iter().filter_map(move |beside| match beside {
+                Beside::Measured(at, sample) if *at == wall => Some(sample.wrench.force.z),
+                _ => None,
+            });
+            forces.collect::<Vec<_>>()
+        };
+        let sent = |first: f64, step: f64| {
+            (1..=COMMANDS).map(|k| first + step * k as f64).collect::<Vec<_>>()
+        };
+        assert_eq!(of_wall(Z_MIN), sent(-50.0, -1.0));
+        assert_eq!(of_wall(Z_MAX), sent(100.0, 1.0));
+        let compared = kept.iter().filter_map(|beside| match beside {
+            Beside::Discrepancy(message) => Some(serde_json::to_value(message).unwrap()),
+            Beside::Measured(..) => None,
+        });
+        assert_eq!(compared.collect::<Vec<_>>(), *found, "recorded and published");
     });
 }
