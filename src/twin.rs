@@ -13,8 +13,9 @@ use crate::relax::advance::{Advance, advance};
 use crate::relax::jump::Jump;
 use crate::relax::{Effort, Outcome, Status, Workspace, accuracy, relax};
 use crate::report::{Demand, Event, EventKind, Measures, Moduli, PackState, Report};
-use crate::scene::Scene;
+use crate::scene::{Method, Scene};
 use crate::state::State;
+use crate::wall::{self, Setpoint, WallTarget};
 
 /// Why a twin could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -48,6 +49,8 @@ pub struct Twin {
     outcome: Outcome,
     /// Normal stress \[Pa\] and engineering strain at the last equilibrium.
     stress_strain: ([f64; 3], [f64; 3]),
+    /// What the walls do from the start on.
+    targets: [WallTarget; wall::COUNT],
 }
 
 impl Twin {
@@ -82,6 +85,7 @@ impl Twin {
             increment: 0,
             outcome: Outcome::NONE,
             stress_strain: ([0.0; 3], [0.0; 3]),
+            targets: scene.walls.targets.in_order(),
             model,
         })
     }
@@ -92,8 +96,9 @@ impl Twin {
         self.pool.current_num_threads()
     }
 
-    /// Relaxes the pack as it was given: increment 0. The report tells whether it was in
-    /// equilibrium; when none is found the disposition is [`Disposition::NotConverged`].
+    /// Relaxes the pack as it was given, and then with the walls as the scene has them: increment 0.
+    /// The report tells whether it was in equilibrium; when none is found the disposition is
+    /// [`Disposition::NotConverged`].
     pub fn start(&mut self, demand: Demand) -> Report {
         let given = self.state.clone();
         let Self { model, state, work, pool, .. } = self;
@@ -114,7 +119,7 @@ impl Twin {
         if !outcome.status.is_equilibrium() {
             self.state = given;
             report.disposition = Disposition::NotConverged;
-            report.text = format!("the pack as given: {}", self.explain(&outcome));
+            report.text = format!("the pack as given: {}", self.explain(&outcome, 0.0));
             return report;
         }
         let Self { model, state, work, pool, .. } = self;
@@ -137,10 +142,50 @@ impl Twin {
         let Outcome { iterations, descents, .. } = outcome;
         let substeps = report.substeps;
         let jumps = std::mem::take(&mut self.work.jumps);
-        let reached =
-            Advance { outcome, substeps, iterations, descents, wall_force_error, jumps, changes };
+        let mut reached = Advance {
+            outcome,
+            substeps,
+            iterations,
+            descents,
+            wall_force_error,
+            crept: 0.0,
+            jumps,
+            changes,
+        };
+        if self.targets.iter().any(|target| *target != WallTarget::Keep) {
+            match self.take_targets() {
+                Ok(advance) => {
+                    report.text = join(&report.text, "the walls were brought to their targets");
+                    report.substeps += advance.substeps;
+                    reached = advance;
+                }
+                Err(text) => {
+                    self.state = given;
+                    report.disposition = Disposition::NotConverged;
+                    report.text = format!("the walls' targets of the scene: {text}");
+                    return report;
+                }
+            }
+        }
         report.measures = Some(self.measure(Stamp::default(), &reached, demand));
         report
+    }
+
+    /// Brings the walls to the targets of the scene.
+    fn take_targets(&mut self) -> Result<Advance, String> {
+        let setpoint = self.gate.begin(self.targets)?;
+        if loads_need_newton(&self.model, &setpoint) {
+            return Err(LOADS_NEED_NEWTON.into());
+        }
+        let here = self.outcome;
+        let Self { model, state, work, pool, .. } = self;
+        let reached = pool.install(|| advance(model, state, work, &setpoint, here));
+        if !reached.outcome.status.is_equilibrium() {
+            return Err(self.explain(&reached.outcome, reached.crept));
+        }
+        self.outcome = reached.outcome;
+        self.gate.begun(setpoint, self.state.displacement);
+        Ok(reached)
     }
 
     /// Serves one command.
@@ -168,13 +213,20 @@ impl Twin {
                 return Report { disposition, text, ..report };
             }
         };
+        if loads_need_newton(&self.model, &setpoint) {
+            return Report {
+                disposition: Disposition::Invalid,
+                text: LOADS_NEED_NEWTON.into(),
+                ..report
+            };
+        }
         let here = self.outcome;
         let Self { model, state, work, pool, .. } = self;
         let reached = pool.install(|| advance(model, state, work, &setpoint, here));
         report.substeps = reached.substeps;
         if !reached.outcome.status.is_equilibrium() {
             report.disposition = Disposition::NotConverged;
-            report.text = self.explain(&reached.outcome);
+            report.text = self.explain(&reached.outcome, reached.crept);
             self.gate.served(command, None, self.state.displacement, &report);
             return report;
         }
@@ -183,6 +235,13 @@ impl Twin {
         report.increment = self.increment;
         if reached.outcome.status == Status::Unjammed {
             report.text = join(&report.text, UNJAMMED);
+        }
+        if reached.crept > 0.0 {
+            let text = format!(
+                "no equilibrium nearby carried the loads: walls yielded by a strain of {:.2e}",
+                reached.crept
+            );
+            report.text = join(&report.text, &text);
         }
         for jump in &reached.jumps {
             report.text = join(&report.text, &tell(jump));
@@ -205,13 +264,17 @@ impl Twin {
     }
 
     /// One sentence about a relaxation that failed.
-    fn explain(&self, outcome: &Outcome) -> String {
+    fn explain(&self, outcome: &Outcome, crept: f64) -> String {
         let tolerance = self.model.solver.tolerance;
         let residual = outcome.residual;
         match outcome.status {
             Status::MaxIterations => format!(
                 "no equilibrium in {} iterations: residual {residual:.1e}, {tolerance:.1e} asked",
                 outcome.iterations
+            ),
+            Status::Unstable if crept > 0.0 => format!(
+                "no equilibrium carries the loads: residual {residual:.1e}, {tolerance:.1e} asked, \
+                 after the walls yielded by a strain of {crept:.2e}"
             ),
             Status::Unstable => format!(
                 "unstable: residual {residual:.1e} after {} legs of overdamped flow, \
@@ -337,6 +400,12 @@ impl Twin {
     }
 }
 
+/// Whether walls shall carry loads that the scene's method cannot balance.
+fn loads_need_newton(model: &Model, setpoint: &Setpoint) -> bool {
+    model.solver.method != Method::Newton && setpoint.iter().any(|wall| wall.load().is_some())
+}
+
+const LOADS_NEED_NEWTON: &str = "walls under loads need solver.method newton";
 const UNJAMMED: &str = "no grain carries load";
 
 fn join(first: &str, second: &str) -> String {

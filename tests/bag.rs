@@ -82,9 +82,29 @@ fn expected(served: &Served) -> Vec<Value> {
         }),
     ));
     if let Some(measures) = &report.measures {
+        messages.extend(served.command.is_none().then(|| expected_frames(measures)));
         messages.extend(expected_measures(measures));
     }
     messages
+}
+
+/// The frames of the walls, from where the walls are.
+fn expected_frames(measures: &Measures) -> Value {
+    let [x_min, x_max, y_min, y_max, z_min, z_max] = measures.walls.position;
+    let (x, y, z) = (0.5 * (x_min + x_max), 0.5 * (y_min + y_max), 0.5 * (z_min + z_max));
+    let origins =
+        [[x_min, y, z], [x_max, y, z], [x, y_min, z], [x, y_max, z], [x, y, z_min], [x, y, z_max]];
+    let transforms = origins.iter().zip(wall::NAMES).map(|(origin, name)| {
+        json!({
+            "header": header(measures.stamp, "pack"),
+            "child_frame_id": format!("wall_{name}"),
+            "transform": {
+                "translation": origin,
+                "rotation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0},
+            },
+        })
+    });
+    json!({"topic": "/tf_static", "fields": {"transforms": transforms.collect::<Vec<_>>()}})
 }
 
 fn expected_measures(measures: &Measures) -> Vec<Value> {
@@ -223,6 +243,7 @@ fn two_independent_readers_find_every_field_of_every_message() {
             "/graintwin/wall_forces",
             "/graintwin/wall_states",
             "/graintwin/wall_targets",
+            "/tf_static",
         ]
     );
     let provenance = provenance();

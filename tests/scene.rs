@@ -555,8 +555,6 @@ fn what_this_version_cannot_do_is_said_so() {
                   allowed: hertz";
     let tangent = "2:19: outputs.moduli: this version computes no tangent moduli; allowed: secant, \
                    none";
-    let nested = "load_path:\n- repeat:\n    times: 1\n    steps:\n    \
-                  - rig_log: {file: a, time: t, axial_strain: e, lateral: free}";
     refused(&behind_pack(&[
         ("contact: {normal: cement}", cement),
         ("contact: {normal: {linear: {stiffness: 1}}}", cement),
@@ -569,11 +567,6 @@ fn what_this_version_cannot_do_is_said_so() {
         (
             "node: {joint_states: {}}",
             "2:22: node.joint_states: this version takes commands from ~/boundary_command only",
-        ),
-        (
-            nested,
-            "6:61: load_path[0].repeat.steps[0].rig_log.lateral: this version has no \
-             stress-controlled walls; allowed: constant_volume, fixed",
         ),
     ]));
 }

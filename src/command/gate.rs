@@ -80,7 +80,7 @@ impl Gate {
                 text = format!("{missing} commands missing before it");
             }
         }
-        let setpoint = match self.setpoint(command) {
+        let setpoint = match self.setpoint(&command.ask, command.mode) {
             Ok(setpoint) => setpoint,
             Err(text) => return Decision::Refuse(Disposition::Invalid, text),
         };
@@ -90,20 +90,28 @@ impl Gate {
         }
     }
 
-    /// What the walls do now.
-    #[must_use]
-    pub fn now(&self) -> &Setpoint {
-        &self.now
+    /// What walls at the start do that are given `targets`, or what is wrong with them.
+    ///
+    /// # Errors
+    /// When a target is none, or the walls of a pair ask for different loads.
+    pub fn begin(&self, targets: [WallTarget; wall::COUNT]) -> Result<Setpoint, String> {
+        self.setpoint(&Ask::Targets(targets), Mode::Absolute)
     }
 
-    /// What `command` makes the walls do, or what is wrong with it.
-    fn setpoint(&self, command: &Command) -> Result<Setpoint, String> {
-        let targets = command.ask.targets();
+    /// The walls do `setpoint` from now on and are at `displacement` \[m\].
+    pub fn begun(&mut self, setpoint: Setpoint, displacement: [f64; wall::COUNT]) {
+        self.now = setpoint;
+        self.displacement = displacement;
+    }
+
+    /// What the walls do when they are asked so, or what is wrong with it.
+    fn setpoint(&self, ask: &Ask, mode: Mode) -> Result<Setpoint, String> {
+        let targets = ask.targets();
         let mut setpoint = self.now;
         for (w, target) in targets.into_iter().enumerate() {
-            let keeps = matches!(command.ask, Ask::Displacement(_)) && self.now[w].load().is_some();
+            let keeps = matches!(ask, Ask::Displacement(_)) && self.now[w].load().is_some();
             if !keeps {
-                setpoint[w] = self.control(w, target, command.mode)?;
+                setpoint[w] = self.control(w, target, mode)?;
             }
         }
         for axis in 0..3 {

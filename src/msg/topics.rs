@@ -133,5 +133,5 @@ pub fn all() -> impl Iterator<Item = &'static Topic> {
         .chain(&WALL_WRENCH)
         .chain([&WALL_STATES, &STATE, &MODULI, &CONTACT_NETWORK, &EVENTS])
         .chain(&MEASURED_WRENCH)
-        .chain([&DISCREPANCY])
+        .chain([&DISCREPANCY, &TF_STATIC])
 }

@@ -15,7 +15,7 @@ use crate::msg::convert::CommandMessage;
 use crate::msg::topics::{self, Topic};
 use crate::msg::{
     BoundaryCommand, ContactNetwork, Described, Discrepancy, Event, JointState, Moduli, PackState,
-    Report, WallForces, WallTargets, WrenchStamped, convert,
+    Report, TFMessage, WallForces, WallTargets, WrenchStamped, convert,
 };
 use crate::relax::lanes;
 use crate::report::Measures;
@@ -153,6 +153,9 @@ impl<W: Write> BagWriter<W> {
         }
         self.write(&topics::REPORT, &Report::from(&served.report), time)?;
         if let Some(measures) = &served.report.measures {
+            if served.command.is_none() {
+                self.write(&topics::TF_STATIC, &convert::wall_frames(measures), time)?;
+            }
             self.measures(measures, time)?;
         }
         Ok(self.open > 0)
@@ -281,9 +284,9 @@ fn program(threads: usize) -> BTreeMap<String, String> {
     ])
 }
 
-/// A message with a header.
+/// A message that says its time.
 trait Stamped: Described + Serialize {
-    /// The header's stamp.
+    /// The stamp of its header, or of its first part's.
     fn stamp(&self) -> Stamp;
 }
 
@@ -295,6 +298,13 @@ macro_rules! stamped {
             }
         }
     )+};
+}
+
+impl Stamped for TFMessage {
+    fn stamp(&self) -> Stamp {
+        let first = self.transforms.first();
+        first.map(|transform| transform.header.stamp.into()).unwrap_or_default()
+    }
 }
 
 stamped!(
