@@ -9,16 +9,22 @@
 #[cfg(feature = "mcap")]
 pub mod cdr;
 pub mod convert;
+pub mod diagnostics;
 pub mod graintwin;
 #[cfg(feature = "ros")]
 pub mod rcl;
 pub mod schema;
+pub mod services;
 pub mod standard;
 pub mod topics;
+pub mod transforms;
 
+pub use diagnostics::{DiagnosticArray, DiagnosticStatus, KeyValue};
 pub use graintwin::{
-    BoundaryCommand, ContactNetwork, Event, Moduli, PackState, Report, WallForces, WallTargets,
+    BoundaryCommand, ContactNetwork, Discrepancy, Event, Moduli, PackState, Report, WallForces,
+    WallTargets,
 };
 pub use schema::{Described, MessageType};
-pub use standard::{Header, JointState, Time, Vector3, Wrench, WrenchStamped};
+pub use standard::{Clock, Header, JointState, Time, Vector3, Wrench, WrenchStamped};
 pub use topics::Topic;
+pub use transforms::{Quaternion, TFMessage, Transform, TransformStamped};

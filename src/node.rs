@@ -9,6 +9,10 @@
 //!                                                                    frames task -> contact network
 //! ```
 //!
+//! Requests of the services go the way of the commands, and their responses back from the solver's
+//! thread. What the load cells of a real rig measure is paired with the twin's answers by the
+//! tasks that receive it.
+//!
 //! The tasks run on two threads of the node's own. Commands are never dropped on their way to the
 //! solver; messages are never dropped on their way out, except contact networks, of which only as
 //! many go out as the network carries. The solver's thread waits for commands and for nothing
@@ -34,10 +38,14 @@
 //! ```
 
 pub mod args;
+mod clock;
 mod commands;
 mod counters;
+mod diagnostics;
+mod discrepancy;
 mod endpoints;
 mod frames;
+mod health;
 mod mapping;
 mod names;
 mod outbox;
@@ -45,12 +53,13 @@ pub mod parameters;
 mod participant;
 pub mod rig;
 pub mod rosout;
-mod wall_clock;
+mod services;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use clock::Clock;
 use ros2_client::{Context, NodeName, NodeOptions};
 use tokio::runtime::{Builder, Runtime};
 use tokio::sync::{mpsc, oneshot};
@@ -60,15 +69,19 @@ use tokio::time::{sleep, timeout};
 pub use commands::{Commands, EndOfCommands};
 use counters::Counters;
 pub use counters::Summary;
+use diagnostics::Watched;
+use discrepancy::{Comparison, Recorder};
 use endpoints::{Endpoints, Subscriptions};
 pub use names::Identity;
 pub use outbox::NodeSink;
 use outbox::{Item, Outbox};
 use parameters::Parameters;
-use parameters::services::Services;
+
 use rosout::{Records, Rosout};
 
+use crate::command::request::Intake;
 use crate::scene::{self, Outputs};
+use crate::sink::Recording;
 
 /// Log directives for the middleware, to go before those of the user. At WARN it tells, on a
 /// machine where loopback has no multicast, of every message that it then sends another way; the
@@ -154,6 +167,11 @@ pub struct Node {
     end_of_commands: EndOfCommands,
     outbox: mpsc::UnboundedSender<Item>,
     counters: Arc<Counters>,
+    comparison: Option<Arc<Comparison>>,
+    recorder: Recorder,
+    clock: Clock,
+    /// Knows how many commands wait, without keeping their queue open.
+    queue: mpsc::WeakSender<Intake>,
     outputs: Outputs,
     stop: Arc<AtomicBool>,
     tasks: Vec<JoinHandle<()>>,
@@ -186,10 +204,13 @@ impl Node {
             None => None,
         };
         let parameters = match parameters {
-            Some(store) => Some((Services::new(&mut ros_node, &identity, options)?, store)),
+            Some(store) => Some((
+                parameters::services::Services::new(&mut ros_node, &identity, options)?,
+                store,
+            )),
             None => None,
         };
-        let (endpoints, subscriptions) = Endpoints::new(ros_node, &identity)?;
+        let (endpoints, subscriptions) = Endpoints::new(ros_node, &identity, options)?;
         let endpoints = Arc::new(endpoints);
         let runtime = Builder::new_multi_thread()
             .worker_threads(THREADS)
@@ -200,11 +221,25 @@ impl Node {
 
         let spinner = runtime.spawn(spin(spinner));
         let (commands_in, commands_out) = mpsc::channel(commands::WAITING);
-        let Subscriptions { commands, targets } = subscriptions;
+        let Subscriptions { commands, targets, cells, clock: times, services } = subscriptions;
+        let simulated = match &parameters {
+            Some((_, store)) => store.use_sim_time(),
+            None => Arc::new(options.use_sim_time.into()),
+        };
+        let clock = Clock::new(simulated);
+        let mut tasks = Vec::new();
+        tasks.push(runtime.spawn(clock::follow(times, clock.clone())));
+        tasks.extend(services.start(&runtime, &commands_in, &counters));
+        let waiting = commands_in.downgrade();
         let (queue, count) = (commands_in.clone(), Arc::clone(&counters));
         let receiving = [
-            runtime.spawn(commands::receive(commands, queue, count)),
-            runtime.spawn(commands::receive(targets, commands_in, Arc::clone(&counters))),
+            runtime.spawn(commands::receive(commands, queue, count, clock.clone())),
+            runtime.spawn(commands::receive(
+                targets,
+                commands_in,
+                Arc::clone(&counters),
+                clock.clone(),
+            )),
         ];
         let end_of_commands =
             EndOfCommands(receiving.iter().map(JoinHandle::abort_handle).collect());
@@ -219,9 +254,20 @@ impl Node {
             counters: Arc::clone(&counters),
         };
         let publishing = runtime.spawn(outbox.run(outbox_out));
+        let recorder = Recorder::default();
+        let comparison = options.measured_wrench.cells().map(|mapped| {
+            let (outbox, recorder) = (outbox_in.clone(), Arc::clone(&recorder));
+            Arc::new(Comparison::new(mapped, outbox, recorder, Arc::clone(&counters)))
+        });
+        if let Some(comparison) = &comparison {
+            for (wall, cell) in cells {
+                let comparison = Arc::clone(comparison);
+                tasks.push(runtime.spawn(discrepancy::receive(wall, cell, comparison)));
+            }
+            tasks.push(runtime.spawn(discrepancy::look(Arc::clone(comparison))));
+        }
+        tasks.extend(receiving.into_iter().chain([stopping, pacing, publishing]));
 
-        let mut tasks: Vec<_> =
-            receiving.into_iter().chain([stopping, pacing, publishing]).collect();
         if let Some((services, store)) = parameters {
             tasks.extend(services.serve(&runtime, &store));
         }
@@ -237,6 +283,10 @@ impl Node {
             end_of_commands,
             outbox: outbox_in,
             counters,
+            comparison,
+            recorder,
+            clock,
+            queue: waiting,
             outputs: *outputs,
             stop: Arc::clone(stop),
             tasks,
@@ -254,8 +304,27 @@ impl Node {
             self.outbox.clone(),
             &self.endpoints,
             Arc::clone(&self.counters),
+            self.comparison.clone(),
             self.outputs,
         )
+    }
+
+    /// Tells once a second on `/diagnostics` how everything fares, under the name `hardware_id`.
+    /// What the load cells measure, and how the twin compares, goes into the `recording` too.
+    pub fn diagnose(&mut self, hardware_id: &str, recording: Option<Arc<dyn Recording>>) {
+        if let Some(recording) = recording {
+            // Only the first call finds the place empty; a run has one recording.
+            self.recorder.set(recording).ok();
+        }
+        let watched = Watched {
+            endpoints: Arc::clone(&self.endpoints),
+            counters: Arc::clone(&self.counters),
+            commands: self.queue.clone(),
+            recorder: Arc::clone(&self.recorder),
+            clock: self.clock.clone(),
+            hardware_id: hardware_id.into(),
+        };
+        self.tasks.push(self.runtime.spawn(watched.run()));
     }
 
     /// The commands of the rig. Waits for each; see [`Commands`] for the end.
@@ -274,10 +343,15 @@ impl Node {
         let stopped = self.stop.load(Ordering::Relaxed);
         let limit = if stopped { DRAIN_WHEN_STOPPED } else { DRAIN };
         self.end_of_commands.declare();
+        // Requests among them are dropped unanswered, and so refused.
+        drop(self.commands);
+        if let Some(comparison) = &self.comparison {
+            comparison.flush();
+        }
         self.runtime.block_on(async {
             // Past the limit, the summary counts what is left.
             timeout(limit, drained(&self.outbox, &self.counters)).await.ok();
-            if self.endpoints.any_listener() {
+            if self.endpoints.any_listener() || self.counters.asked.load(Ordering::Relaxed) > 0 {
                 sleep(LINGER).await;
             }
             for task in self.tasks {
@@ -334,7 +408,7 @@ async fn end_when_stopped(stop: Arc<AtomicBool>, commands: EndOfCommands) {
     commands.declare();
 }
 
-/// Returns when everything that was queued is published.
+/// Returns when everything that was queued is published and every request has its response.
 async fn drained(outbox: &mpsc::UnboundedSender<Item>, counters: &Counters) {
     let (done, flushed) = oneshot::channel();
     if outbox.send(Item::Flush(done)).is_ok() {
@@ -343,6 +417,7 @@ async fn drained(outbox: &mpsc::UnboundedSender<Item>, counters: &Counters) {
     }
     while counters.frames_queued.load(Ordering::Relaxed)
         > counters.frames_done.load(Ordering::Relaxed)
+        || counters.asked.load(Ordering::Relaxed) > counters.answered.load(Ordering::Relaxed)
     {
         sleep(LOOK).await;
     }

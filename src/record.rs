@@ -21,6 +21,7 @@
 //! ROS 2 has since Kilted, follows the rig's pace.
 
 mod bag;
+mod beside;
 mod metadata;
 pub mod reader;
 mod worker;
@@ -38,7 +39,8 @@ use crate::scene;
 use crate::sink::{Served, Sink};
 
 use bag::BagWriter;
-use worker::{Answer, Status, Worker};
+pub use beside::RecorderHandle;
+use worker::{Item, Status, Worker};
 
 /// How long an answer may wait in an open chunk before it is handed to the system.
 pub const FLUSH_AFTER: Duration = Duration::from_millis(200);
@@ -103,7 +105,7 @@ pub enum RecordError {
         path: PathBuf,
         /// What the system said.
         reason: String,
-        /// Answers of the twin that are not in the recording.
+        /// Answers of the twin, and measurements, that are not in the recording.
         lost: u64,
     },
 }
@@ -111,7 +113,8 @@ pub enum RecordError {
 /// Writes a rosbag2 folder from what the twin says.
 #[derive(Debug)]
 pub struct Recorder {
-    queue: Option<SyncSender<Answer>>,
+    /// The only one that lasts: when it goes, the thread ends.
+    queue: Option<Arc<SyncSender<Item>>>,
     thread: Option<JoinHandle<Result<Recorded, RecordError>>>,
     status: Arc<Status>,
 }
@@ -133,19 +136,26 @@ impl Recorder {
         let bag = BagWriter::new(BufWriter::new(file), settings, provenance, worker::now())
             .map_err(|error| failed(error.to_string()))?;
         let status = Arc::new(Status::new(target.file()));
-        let (queue, answers) = sync_channel(QUEUE);
-        let worker = Worker::new(answers, Arc::clone(&status), target.clone());
+        let (queue, items) = sync_channel(QUEUE);
+        let worker = Worker::new(items, Arc::clone(&status), target.clone());
         let thread = thread::Builder::new()
             .name("recorder".into())
             .spawn(move || worker.run(bag))
             .map_err(|error| failed(error.to_string()))?;
-        Ok(Self { queue: Some(queue), thread: Some(thread), status })
+        Ok(Self { queue: Some(Arc::new(queue)), thread: Some(thread), status })
     }
 
     /// What went wrong, as soon as it did.
     #[must_use]
     pub fn failure(&self) -> Option<RecordError> {
         self.status.failure()
+    }
+
+    /// The recording for other threads than the twin's. It does not keep the recording open.
+    #[must_use]
+    pub fn handle(&self) -> RecorderHandle {
+        let queue = self.queue.as_ref().map(Arc::downgrade).unwrap_or_default();
+        RecorderHandle::new(queue, Arc::clone(&self.status))
     }
 
     /// Ends the recording: writes what is queued, the index and `metadata.yaml`.
@@ -177,8 +187,8 @@ impl Sink for Recorder {
             self.status.lose(1);
             return;
         }
-        let answer = Answer { served: Arc::clone(served), time: worker::now() };
-        if self.queue.as_ref().is_none_or(|queue| queue.send(answer).is_err()) {
+        let item = Item::Answer(Arc::clone(served), worker::now());
+        if self.queue.as_ref().is_none_or(|queue| queue.send(item).is_err()) {
             self.status.fail("its thread panicked".into(), 1);
         }
     }

@@ -10,6 +10,7 @@ mod error;
 mod load;
 mod load_path;
 mod material;
+mod measured_wrench;
 mod node;
 mod outputs;
 mod pack;
@@ -38,6 +39,7 @@ pub use load_path::{
     Unload, WallsStep,
 };
 pub use material::Material;
+pub use measured_wrench::MeasuredWrench;
 pub use node::{Discovery, Node, ServiceMapping};
 pub use outputs::{Markers, ModuliKind, Outputs, When};
 pub use pack::{Generate, PackSource, Radius};

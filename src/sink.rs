@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::command::Command;
+use crate::msg::{Discrepancy, WrenchStamped};
 use crate::report::{Demand, Report};
 
 /// One command with its report; the initial equilibrium has no command.
@@ -21,4 +22,37 @@ pub trait Sink {
 
     /// Takes one answer.
     fn served(&mut self, served: &Arc<Served>);
+}
+
+/// What comes and goes beside commands and answers.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Beside {
+    /// What the load cell of a wall of the real rig measured.
+    Measured(usize, WrenchStamped),
+    /// How an increment compares with that.
+    Discrepancy(Discrepancy),
+}
+
+/// How a recording fares.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct RecordingState {
+    /// Messages in it.
+    pub messages: u64,
+    /// Size of its file on disk.
+    pub bytes: u64,
+    /// Answers and measurements that are not in it.
+    pub lost: u64,
+    /// Bytes that its file system has left, where the system tells.
+    pub free: Option<u64>,
+    /// What went wrong.
+    pub failure: Option<String>,
+}
+
+/// A recording as seen from threads that are not the solver's.
+pub trait Recording: Send + Sync {
+    /// Takes what came or went; waits while the disk is slower.
+    fn beside(&self, beside: Beside);
+
+    /// How it fares.
+    fn state(&self) -> RecordingState;
 }

@@ -12,10 +12,12 @@ use std::sync::Arc;
 
 use answers::{answers, provenance};
 use graintwin::command::Stamp;
+use graintwin::measure::discrepancy::Discrepancy;
+use graintwin::msg::{Header, Vector3, Wrench, WrenchStamped, convert};
 use graintwin::record::{Recorded, Recorder};
 use graintwin::report::Measures;
 use graintwin::scene::{Compression, Record};
-use graintwin::sink::{Served, Sink};
+use graintwin::sink::{Beside, Recording, Served, Sink};
 use graintwin::wall;
 use serde_json::{Map, Value, json};
 
@@ -80,9 +82,29 @@ fn expected(served: &Served) -> Vec<Value> {
         }),
     ));
     if let Some(measures) = &report.measures {
+        messages.extend(served.command.is_none().then(|| expected_frames(measures)));
         messages.extend(expected_measures(measures));
     }
     messages
+}
+
+/// The frames of the walls, from where the walls are.
+fn expected_frames(measures: &Measures) -> Value {
+    let [x_min, x_max, y_min, y_max, z_min, z_max] = measures.walls.position;
+    let (x, y, z) = (0.5 * (x_min + x_max), 0.5 * (y_min + y_max), 0.5 * (z_min + z_max));
+    let origins =
+        [[x_min, y, z], [x_max, y, z], [x, y_min, z], [x, y_max, z], [x, y, z_min], [x, y, z_max]];
+    let transforms = origins.iter().zip(wall::NAMES).map(|(origin, name)| {
+        json!({
+            "header": header(measures.stamp, "pack"),
+            "child_frame_id": format!("wall_{name}"),
+            "transform": {
+                "translation": origin,
+                "rotation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0},
+            },
+        })
+    });
+    json!({"topic": "/tf_static", "fields": {"transforms": transforms.collect::<Vec<_>>()}})
 }
 
 fn expected_measures(measures: &Measures) -> Vec<Value> {
@@ -179,11 +201,15 @@ fn read_by_peers(
     let parent = tempfile::tempdir().unwrap();
     let folder = parent.path().join(name);
     let recorded = record(&folder, settings, answers);
-    let messages: Vec<Value> = answers.iter().map(|answer| expected(answer).into()).collect();
-    let count: usize = answers.iter().map(|answer| expected(answer).len()).sum();
-    assert_eq!(recorded.messages, count as u64);
+    let messages: Vec<Vec<Value>> = answers.iter().map(|answer| expected(answer)).collect();
+    assert_eq!(recorded.messages, messages.concat().len() as u64);
+    peers_find(&folder, messages)
+}
+
+/// Lets the peers read the bag, which must hold `messages`; what they say, if there are any.
+fn peers_find(folder: &Path, messages: Vec<Vec<Value>>) -> Option<Map<String, Value>> {
     let texts = Path::new(env!("CARGO_MANIFEST_DIR")).join("msgs/graintwin_msgs/msg");
-    let said = python::run("bag.py", &[&folder, &texts], &Value::from(messages).to_string())?;
+    let said = python::run("bag.py", &[folder, &texts], &Value::from_iter(messages).to_string())?;
     Some(serde_json::from_str(&said).unwrap())
 }
 
@@ -197,7 +223,14 @@ fn two_independent_readers_find_every_field_of_every_message() {
         [
             "/graintwin/boundary_command",
             "/graintwin/contact_network",
+            "/graintwin/discrepancy",
             "/graintwin/events",
+            "/graintwin/measured_wrench/x_max",
+            "/graintwin/measured_wrench/x_min",
+            "/graintwin/measured_wrench/y_max",
+            "/graintwin/measured_wrench/y_min",
+            "/graintwin/measured_wrench/z_max",
+            "/graintwin/measured_wrench/z_min",
             "/graintwin/moduli",
             "/graintwin/report",
             "/graintwin/state",
@@ -209,6 +242,8 @@ fn two_independent_readers_find_every_field_of_every_message() {
             "/graintwin/wall/z_min/wrench",
             "/graintwin/wall_forces",
             "/graintwin/wall_states",
+            "/graintwin/wall_targets",
+            "/tf_static",
         ]
     );
     let provenance = provenance();
@@ -270,4 +305,64 @@ fn a_bag_without_an_answer_is_still_a_bag() {
 fn a_folder_with_an_awkward_name_is_described_correctly() {
     let name = r#"Öl: "3" # - \ {a}"#;
     read_by_peers(name, &Record::default(), &answers(1, 1));
+}
+
+#[test]
+fn measurements_and_how_the_twin_compares_are_recorded_between_the_answers() {
+    let parent = tempfile::tempdir().unwrap();
+    let folder = parent.path().join("run");
+    let answers = answers(1, 3);
+    let mut recorder = Recorder::create(&folder, &Record::default(), &provenance()).unwrap();
+    let handle = recorder.handle();
+    let stamp = Stamp { sec: 12, nanosec: 5 };
+    let force = Vector3 { x: 1.0, y: -2.0, z: 3.5 };
+    let measured = WrenchStamped {
+        header: Header { stamp: stamp.into(), frame_id: "wall_z_max".into() },
+        wrench: Wrench { force, torque: Vector3::default() },
+    };
+    let mut found = Discrepancy::unmeasured(stamp, 1, [4.0; 6]);
+    (found.rig[5], found.delay[5]) = (3.5, 0.25);
+    recorder.served(&answers[0]);
+    handle.beside(Beside::Measured(5, measured.clone()));
+    recorder.served(&answers[1]);
+    handle.beside(Beside::Discrepancy(convert::discrepancy(&found)));
+    let recorded = recorder.finish().unwrap();
+    assert_eq!(
+        (handle.state().messages, handle.state().bytes),
+        (recorded.messages, recorded.bytes)
+    );
+    assert_eq!(handle.state().lost, 0);
+
+    let nan = || json!(["NaN", "NaN", "NaN", "NaN", "NaN"]);
+    let with = |value: f64| {
+        let mut all = nan();
+        all.as_array_mut().unwrap().push(value.into());
+        all
+    };
+    let beside = [
+        message(
+            "measured_wrench/z_max",
+            &json!({
+                "header": header(stamp, "wall_z_max"),
+                "wrench": {"force": [1.0, -2.0, 3.5], "torque": [0.0, 0.0, 0.0]},
+            }),
+        ),
+        message(
+            "discrepancy",
+            &json!({
+                "header": header(stamp, "pack"),
+                "increment": 1,
+                "valid": [false, false, false, false, false, true],
+                "twin_force": found.twin,
+                "rig_force": with(3.5),
+                "difference": with(0.5),
+                "delay": with(0.25),
+            }),
+        ),
+    ];
+    let [first, second] = beside.map(|message| vec![message]);
+    peers_find(&folder, vec![expected(&answers[0]), first, expected(&answers[1]), second]);
+
+    handle.beside(Beside::Measured(5, measured));
+    assert_eq!(handle.state().lost, 1, "what comes after the end");
 }

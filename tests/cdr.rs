@@ -11,8 +11,10 @@ use std::path::Path;
 
 use graintwin::msg::cdr::{self, CdrError};
 use graintwin::msg::{
-    BoundaryCommand, ContactNetwork, Described, Event, Header, JointState, Moduli, PackState,
-    Report, Time, Vector3, WallForces, WallTargets, Wrench, WrenchStamped,
+    BoundaryCommand, Clock, ContactNetwork, Described, DiagnosticArray, DiagnosticStatus,
+    Discrepancy, Event, Header, JointState, KeyValue, Moduli, PackState, Quaternion, Report,
+    TFMessage, Time, Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench,
+    WrenchStamped,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -136,6 +138,40 @@ fn joint_state() -> JointState {
     }
 }
 
+fn discrepancy() -> Discrepancy {
+    Discrepancy {
+        header: header("pack"),
+        increment: 11,
+        valid: [true, false, false, true, true, false],
+        twin_force: [1.0, 2.0, 3.0, 4.0, 5.0, 6.0],
+        rig_force: [0.5; 6],
+        difference: [0.5, 1.5, 2.5, 3.5, 4.5, 5.5],
+        delay: [1e-3, -1e-3, 0.0, -0.0, 1e9, -1e-9],
+    }
+}
+
+fn diagnostics(count: usize) -> DiagnosticArray {
+    let value = KeyValue { key: "iterations".into(), value: "5".into() };
+    let status = DiagnosticStatus {
+        level: 3,
+        name: "graintwin: solver".into(),
+        message: "ü".into(),
+        hardware_id: "rig 4".into(),
+        values: vec![value; count],
+    };
+    DiagnosticArray { header: header(""), status: vec![status; count] }
+}
+
+fn frames(count: usize) -> TFMessage {
+    let transform = Transform {
+        translation: vector(2.0),
+        rotation: Quaternion { x: 0.1, y: 0.2, z: 0.3, w: 0.4 },
+    };
+    let child_frame_id = "wall_z_max".into();
+    let frame = TransformStamped { header: header("pack"), child_frame_id, transform };
+    TFMessage { transforms: vec![frame; count] }
+}
+
 /// Holds one answer of the peer against the message it is about.
 type Check = Box<dyn Fn(&Value)>;
 
@@ -213,7 +249,17 @@ fn bytes_hashes_and_definitions_are_those_of_an_independent_implementation() {
     exchange.add(wrench);
     exchange.add(vector(3.0));
     exchange.add(header("frame"));
-    exchange.add(Time { sec: i32::MIN, nanosec: 5 });
+    let time = Time { sec: i32::MIN, nanosec: 5 };
+    exchange.add(time);
+    exchange.add(Clock { clock: time });
+    exchange.add(discrepancy());
+    for count in 0..3 {
+        exchange.add(diagnostics(count));
+        exchange.add(frames(count));
+    }
+    exchange.add(KeyValue { key: "größe".into(), value: String::new() });
+    exchange.add(Transform::default());
+    exchange.add(Quaternion { x: 0.5, y: -0.5, z: 0.1, w: 0.7 });
 
     let texts = Path::new(env!("CARGO_MANIFEST_DIR")).join("msgs/graintwin_msgs/msg");
     let asked = Value::from(exchange.asked).to_string();

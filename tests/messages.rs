@@ -8,10 +8,14 @@ use std::fs;
 use std::path::Path;
 
 use graintwin::command::{Ask, Command, Disposition, Mode, Stamp};
+use graintwin::measure::discrepancy;
 use graintwin::msg::convert::{self, CommandMessage, LIVE_CHUNK};
+use graintwin::msg::services::{SavePack, Service, SetBool, Trigger};
 use graintwin::msg::{
-    BoundaryCommand, ContactNetwork, Described, Event, Header, JointState, Moduli, PackState,
-    Report, Time, Vector3, WallForces, WallTargets, Wrench, WrenchStamped, topics,
+    BoundaryCommand, Clock, ContactNetwork, Described, DiagnosticArray, DiagnosticStatus,
+    Discrepancy, Event, Header, JointState, KeyValue, Moduli, PackState, Quaternion, Report,
+    TFMessage, Time, Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench,
+    WrenchStamped, topics,
 };
 use graintwin::report::{self, ContactState, Measures};
 use graintwin::wall::{self, WallTarget};
@@ -57,6 +61,8 @@ fn assert_same_fields<T: Described + DeserializeOwned>() {
     let of_text: Vec<_> = lines
         .iter()
         .filter_map(|line| match line {
+            // A byte is what Rust calls a u8.
+            Line::Field("byte", name) => Some(format!("uint8 {name}")),
             Line::Field(kind, name) => Some(format!("{} {name}", kind.rsplit('/').next()?)),
             Line::Constant(..) => None,
         })
@@ -80,6 +86,50 @@ fn every_struct_has_the_fields_of_its_text() {
     assert_same_fields::<Wrench>();
     assert_same_fields::<WrenchStamped>();
     assert_same_fields::<JointState>();
+    assert_same_fields::<Discrepancy>();
+    assert_same_fields::<Clock>();
+    assert_same_fields::<KeyValue>();
+    assert_same_fields::<DiagnosticStatus>();
+    assert_same_fields::<DiagnosticArray>();
+    assert_same_fields::<Quaternion>();
+    assert_same_fields::<Transform>();
+    assert_same_fields::<TransformStamped>();
+    assert_same_fields::<TFMessage>();
+}
+
+/// The fields of `T` as a `.srv` text writes them.
+fn fields_of<T: DeserializeOwned>() -> Vec<String> {
+    let Shape::Struct(_, fields) = shape_of::<T>() else { panic!("no struct") };
+    fields.iter().map(|(name, shape)| format!("{} {name}", written(shape))).collect()
+}
+
+fn assert_same_service<S: Service>()
+where
+    S::Request: DeserializeOwned,
+    S::Response: DeserializeOwned,
+{
+    let (request, response) = S::TYPE.text.split_once("---").unwrap();
+    let of_text = |text| -> Vec<String> {
+        let fields = parse(text).into_iter().map(|line| match line {
+            Line::Field(kind, name) => format!("{kind} {name}"),
+            Line::Constant(name, _) => panic!("{name} is a constant"),
+        });
+        fields.collect()
+    };
+    let mut asked = of_text(request);
+    if asked.is_empty() {
+        // What ROS 2 makes of nothing.
+        asked.push("uint8 structure_needs_at_least_one_member".into());
+    }
+    assert_eq!(fields_of::<S::Request>(), asked, "{}", S::TYPE.name);
+    assert_eq!(fields_of::<S::Response>(), of_text(response), "{}", S::TYPE.name);
+}
+
+#[test]
+fn every_service_has_the_fields_of_its_text() {
+    assert_same_service::<Trigger>();
+    assert_same_service::<SetBool>();
+    assert_same_service::<SavePack>();
 }
 
 #[test]
@@ -95,6 +145,7 @@ fn every_message_text_is_built_by_the_package_and_has_a_struct() {
         ContactNetwork::TYPE,
         Report::TYPE,
         Event::TYPE,
+        Discrepancy::TYPE,
     ];
     for file in fs::read_dir(package.join("msg")).unwrap() {
         let path = file.unwrap().path();
@@ -105,6 +156,7 @@ fn every_message_text_is_built_by_the_package_and_has_a_struct() {
     for file in fs::read_dir(package.join("srv")).unwrap() {
         let name = file.unwrap().file_name().into_string().unwrap();
         assert!(recipe.contains(&format!("\"srv/{name}\"")), "CMakeLists.txt lacks {name}");
+        assert_eq!(name, format!("{}.srv", SavePack::TYPE.name), "{name} has no struct");
     }
 }
 
@@ -176,6 +228,9 @@ fn a_definition_names_every_part_once_and_depth_first() {
 fn wrench_topics_follow_the_order_of_the_walls() {
     for (name, topic) in wall::NAMES.iter().zip(&topics::WALL_WRENCH) {
         assert_eq!(topic.recorded_name(), format!("/graintwin/wall/{name}/wrench"));
+    }
+    for (name, topic) in wall::NAMES.iter().zip(&topics::MEASURED_WRENCH) {
+        assert_eq!(topic.recorded_name(), format!("/graintwin/measured_wrench/{name}"));
     }
 }
 
@@ -291,6 +346,46 @@ fn a_wall_wrench_is_taken_about_the_centre_of_the_wall() {
     assert_eq!(wrench.header.frame_id, "wall_x_max");
     assert_eq!(wrench.wrench.force, Vector3 { x: 10.0, y: 20.0, z: 30.0 });
     assert_eq!(wrench.wrench.torque, Vector3::default());
+}
+
+/// The box from (-1, -2, -4) to (3, 2, 4) has its centre at (1, 0, 0).
+#[test]
+fn the_frame_of_a_wall_stands_at_its_centre_with_the_axes_of_the_pack() {
+    let frames = convert::wall_frames(&measures(0)).transforms;
+    let origins = [
+        [-1.0, 0.0, 0.0],
+        [3.0, 0.0, 0.0],
+        [1.0, -2.0, 0.0],
+        [1.0, 2.0, 0.0],
+        [1.0, 0.0, -4.0],
+        [1.0, 0.0, 4.0],
+    ];
+    assert_eq!(frames.len(), origins.len());
+    for ((frame, origin), name) in frames.iter().zip(origins).zip(wall::NAMES) {
+        assert_eq!(frame.header.frame_id, "pack");
+        assert_eq!(frame.child_frame_id, format!("wall_{name}"));
+        assert_eq!(frame.transform.translation, Vector3::from(origin));
+        assert_eq!(frame.transform.rotation, Quaternion { x: 0.0, y: 0.0, z: 0.0, w: 1.0 });
+    }
+}
+
+#[test]
+fn a_discrepancy_is_twin_minus_rig_where_the_rig_was_measured() {
+    let mut found = discrepancy::Discrepancy::unmeasured(
+        Stamp { sec: 3, nanosec: 4 },
+        7,
+        [1.0, 2.0, 3.0, 4.0, 5.0, 6.0],
+    );
+    (found.rig[5], found.delay[5]) = (8.5, -0.25);
+    let message = convert::discrepancy(&found);
+    assert_eq!((message.header.stamp, message.increment), (Time { sec: 3, nanosec: 4 }, 7));
+    assert_eq!(message.valid, [false, false, false, false, false, true]);
+    assert_eq!(message.twin_force, found.twin);
+    assert_eq!((message.rig_force[5], message.difference[5], message.delay[5]), (8.5, -2.5, -0.25));
+    for wall in 0..5 {
+        assert!(message.rig_force[wall].is_nan() && message.difference[wall].is_nan());
+        assert!(message.delay[wall].is_nan());
+    }
 }
 
 #[test]

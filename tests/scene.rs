@@ -467,6 +467,26 @@ fn values_out_of_range_are_named_with_line_column_field_and_what_is_allowed() {
             "reference: {min: [0, 0, 0], max: [1, 0, 1]}",
             "2:38: reference.max[1]: y: 0.0 is outside max > min = 0.0",
         ),
+        (
+            "node: {measured_wrench: {walls: [z_max, top]}}",
+            "2:33: node.measured_wrench.walls: `top` is no wall; allowed: x_min, x_max, y_min",
+        ),
+        (
+            "node: {measured_wrench: {walls: [z_max, z_max]}}",
+            "2:33: node.measured_wrench.walls: z_max stands here twice; allowed: each wall once",
+        ),
+        (
+            "node: {measured_wrench: {walls: z_max}}",
+            "2:33: node.measured_wrench.walls: `z_max` stands here; allowed: a list",
+        ),
+        (
+            "node: {measured_wrench: {sign: 2}}",
+            "2:32: node.measured_wrench.sign: 2.0 is outside 1 and -1",
+        ),
+        (
+            "node: {measured_wrench: {max_delay: -1}}",
+            "2:37: node.measured_wrench.max_delay: -1.0 is outside max_delay >= 0 s",
+        ),
         ("node: {stale_after: -1}", "2:21: node.stale_after: -1.0 is outside stale_after >= 0 s"),
         ("node: {domain_id: 233}", "2:19: node.domain_id: 233 is outside 0 to 232"),
         (

@@ -6,9 +6,9 @@ use std::path::Path;
 
 use graintwin::scene::{
     self, Axis, Compression, Contact, Coulomb, Discovery, Friction, Generate, Isotropic, Lateral,
-    Law, LoadPath, Markers, Material, Method, ModuliKind, Moving, Node, Normal, Outputs,
-    PackSource, Polyaxial, Radius, Record, Repeat, RigLog, Scene, ServiceMapping, Solver, Step,
-    StrainUnit, Targets, Triaxial, Uniaxial, Unload, Update, Walls, WallsStep, When, prepare,
+    Law, LoadPath, Markers, Material, MeasuredWrench, Method, ModuliKind, Moving, Node, Normal,
+    Outputs, PackSource, Polyaxial, Radius, Record, Repeat, RigLog, Scene, ServiceMapping, Solver,
+    Step, StrainUnit, Targets, Triaxial, Uniaxial, Unload, Update, Walls, WallsStep, When, prepare,
 };
 use graintwin::wall::Bounds;
 use graintwin::wall::WallTarget;
@@ -256,13 +256,20 @@ fn service() -> impl Strategy<Value = (Outputs, Node, Record)> {
         ServiceMapping::Enhanced,
         ServiceMapping::Cyclone,
     ]);
-    let node = (reach, 0..=232_u16, 0.0..1e6, any::<bool>(), mapping).prop_map(
-        |(discovery, domain_id, stale_after, virtual_rig, service_mapping)| Node {
+    let cells =
+        (any::<[bool; 6]>(), any::<bool>(), 0.0..10.0).prop_map(|(walls, positive, max_delay)| {
+            MeasuredWrench { walls, sign: if positive { 1.0 } else { -1.0 }, max_delay }
+        });
+    let switches = (any::<bool>(), any::<bool>());
+    let node = (reach, 0..=232_u16, 0.0..1e6, switches, mapping, cells).prop_map(
+        |(discovery, domain_id, stale_after, switches, service_mapping, measured_wrench)| Node {
             discovery,
             domain_id,
             stale_after,
-            virtual_rig,
+            virtual_rig: switches.0,
+            use_sim_time: switches.1,
             service_mapping,
+            measured_wrench,
         },
     );
     let kind = prop::sample::select(vec![Compression::Zstd, Compression::Lz4, Compression::None]);

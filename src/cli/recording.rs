@@ -41,6 +41,12 @@ impl Recording {
         Ok(Self { recorder: recorder.map_err(Failure::input)?, told: false })
     }
 
+    /// The recording for the node.
+    #[cfg(feature = "ros")]
+    pub(super) fn handle(&self) -> Arc<dyn graintwin::sink::Recording> {
+        Arc::new(self.recorder.handle())
+    }
+
     pub(super) fn finish(self) -> Result<Recorded, RecordError> {
         self.recorder.finish()
     }

@@ -56,6 +56,15 @@ impl Link {
         Ok(Self { node, rig })
     }
 
+    /// Starts the diagnostics; the `recording` gets what the solver does not see.
+    pub(super) fn diagnose(
+        &mut self,
+        scene: &Scene,
+        recording: Option<Arc<dyn graintwin::sink::Recording>>,
+    ) {
+        self.node.diagnose(&scene.name, recording);
+    }
+
     pub(super) fn sink(&self) -> Box<dyn Sink> {
         Box::new(self.node.sink())
     }

@@ -101,6 +101,14 @@ pub(super) fn run(
         Some(setup) => (Some(Link::start(&loaded.scene, setup, path, plays, &stop)?), None),
         None => (None, Some(path)),
     };
+    #[cfg(feature = "ros")]
+    if let Some(link) = &mut link {
+        #[cfg(feature = "mcap")]
+        let handle = recording.as_ref().map(Recording::handle);
+        #[cfg(not(feature = "mcap"))]
+        let handle = None;
+        link.diagnose(&loaded.scene, handle);
+    }
     #[cfg(not(feature = "ros"))]
     let path = Some(path);
     let served = {

@@ -2,10 +2,12 @@
 
 use super::topics::{PACK_FRAME, wall_frame};
 use super::{
-    BoundaryCommand, ContactNetwork, Event, Header, JointState, Moduli, PackState, Report, Time,
-    WallForces, WallTargets, Wrench, WrenchStamped,
+    BoundaryCommand, ContactNetwork, Discrepancy, Event, Header, JointState, Moduli, PackState,
+    Report, TFMessage, Time, Transform, TransformStamped, WallForces, WallTargets, Wrench,
+    WrenchStamped,
 };
 use crate::command::{Ask, Command, Stamp};
+use crate::measure::discrepancy;
 use crate::report::{self, Measures};
 use crate::wall::{self, WallTarget};
 
@@ -194,6 +196,36 @@ pub fn moduli(measures: &Measures) -> Option<Moduli> {
         p_wave: moduli.p_wave,
         tangent: moduli.tangent,
     })
+}
+
+/// How an increment compares with the real rig.
+#[must_use]
+pub fn discrepancy(found: &discrepancy::Discrepancy) -> Discrepancy {
+    Discrepancy {
+        header: pack_header(found.stamp),
+        increment: found.increment,
+        valid: std::array::from_fn(|wall| found.is_valid(wall)),
+        twin_force: found.twin,
+        rig_force: found.rig,
+        difference: std::array::from_fn(|wall| found.twin[wall] - found.rig[wall]),
+        delay: found.delay,
+    }
+}
+
+/// The frames of the walls in that of the pack: their origins at the centres of the walls, their
+/// axes as the pack's.
+#[must_use]
+pub fn wall_frames(measures: &Measures) -> TFMessage {
+    let position = &measures.walls.position;
+    let centre = |axis: usize| 0.5 * (position[2 * axis] + position[2 * axis + 1]);
+    let transforms = (0..wall::COUNT).map(|wall| {
+        let mut origin = std::array::from_fn(centre);
+        origin[wall::axis(wall)] = position[wall];
+        let transform = Transform { translation: origin.into(), ..Transform::default() };
+        let header = pack_header(measures.stamp);
+        TransformStamped { header, child_frame_id: wall_frame(wall), transform }
+    });
+    TFMessage { transforms: transforms.collect() }
 }
 
 /// The events on the way to this equilibrium, in order.

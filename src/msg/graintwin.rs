@@ -186,6 +186,25 @@ pub struct Event {
     pub displacement: Vec<f64>,
 }
 
+/// Normal forces of the twin against those of the real rig; NaN where a wall was not measured.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Discrepancy {
+    /// Stamp of the command served.
+    pub header: Header,
+    /// 0 for the initial equilibrium, then one more per command served.
+    pub increment: u64,
+    /// Whether the wall has a measurement close enough in time.
+    pub valid: [bool; wall::COUNT],
+    /// Normal force in the twin \[N\].
+    pub twin_force: [f64; wall::COUNT],
+    /// Normal force at the rig \[N\].
+    pub rig_force: [f64; wall::COUNT],
+    /// The former minus the latter \[N\].
+    pub difference: [f64; wall::COUNT],
+    /// Stamp of the measurement minus stamp of the command \[s\].
+    pub delay: [f64; wall::COUNT],
+}
+
 /// Ties a struct to the text of its message under `msgs/`.
 macro_rules! message {
     ($message:ident, $uses:expr, $hash:literal) => {
@@ -238,4 +257,9 @@ message!(
     Event,
     &[Header::TYPE],
     "9f1b0c43f9cff3211287b84a8ec76e58fca0007b277f937673b1ab5bf87cee0a"
+);
+message!(
+    Discrepancy,
+    &[Header::TYPE],
+    "92acd9e409d13a1d8a9a8bb9d44d8602dbe937eea4b8329c754038b7d1f385fe"
 );

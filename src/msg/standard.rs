@@ -75,6 +75,13 @@ pub struct JointState {
     pub effort: Vec<f64>,
 }
 
+/// `rosgraph_msgs/Clock`: the time that a simulation or a playback says it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Clock {
+    /// The time.
+    pub clock: Time,
+}
+
 describe!(
     Time,
     "builtin_interfaces",
@@ -117,4 +124,11 @@ describe!(
            float64[] effort\n",
     &[Header::TYPE],
     "a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e"
+);
+describe!(
+    Clock,
+    "rosgraph_msgs",
+    "builtin_interfaces/Time clock\n",
+    &[Time::TYPE],
+    "692f7a66e93a3c83e71765d033b60349ba68023a8c689a79e48078bcb5c58564"
 );

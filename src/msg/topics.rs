@@ -2,8 +2,8 @@
 
 use super::schema::{Described, MessageType};
 use super::{
-    BoundaryCommand, ContactNetwork, Event, JointState, Moduli, PackState, Report, WallForces,
-    WallTargets, WrenchStamped,
+    BoundaryCommand, ContactNetwork, DiagnosticArray, Discrepancy, Event, JointState, Moduli,
+    PackState, Report, TFMessage, WallForces, WallTargets, WrenchStamped,
 };
 use crate::wall;
 
@@ -50,7 +50,7 @@ pub struct Qos {
 /// A topic.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Topic {
-    /// Name under the node's own, as `wall_forces`.
+    /// Name under the node's own, as `wall_forces`, or absolute, as `/tf_static`.
     pub name: &'static str,
     /// Type of its messages.
     pub kind: &'static MessageType,
@@ -73,7 +73,10 @@ impl Topic {
     /// The name in a recording: `/graintwin/wall_forces`.
     #[must_use]
     pub fn recorded_name(&self) -> String {
-        format!("/{NODE}/{}", self.name)
+        match self.name.starts_with('/') {
+            true => self.name.into(),
+            false => format!("/{NODE}/{}", self.name),
+        }
     }
 }
 
@@ -107,10 +110,28 @@ pub static CONTACT_NETWORK: Topic = Topic::new("contact_network", ContactNetwork
 /// Out: [`Event`], one message an event.
 pub static EVENTS: Topic = Topic::new("events", Event::TYPE, 64);
 
-/// Every topic, commands first.
+/// In: [`WrenchStamped`] of the real rig's load cells, one topic a wall.
+pub static MEASURED_WRENCH: [Topic; wall::COUNT] = [
+    Topic::new("measured_wrench/x_min", WrenchStamped::TYPE, 256),
+    Topic::new("measured_wrench/x_max", WrenchStamped::TYPE, 256),
+    Topic::new("measured_wrench/y_min", WrenchStamped::TYPE, 256),
+    Topic::new("measured_wrench/y_max", WrenchStamped::TYPE, 256),
+    Topic::new("measured_wrench/z_min", WrenchStamped::TYPE, 256),
+    Topic::new("measured_wrench/z_max", WrenchStamped::TYPE, 256),
+];
+/// Out: [`Discrepancy`], when load cells are mapped.
+pub static DISCREPANCY: Topic = Topic::new("discrepancy", Discrepancy::TYPE, 64);
+/// Out: [`DiagnosticArray`], once a second. Not recorded: it is about the program.
+pub static DIAGNOSTICS: Topic = Topic::new("/diagnostics", DiagnosticArray::TYPE, 10);
+/// Out: [`TFMessage`], kept for whoever comes later: the walls' frames in the pack's.
+pub static TF_STATIC: Topic = Topic::new("/tf_static", TFMessage::TYPE, 1).latched();
+
+/// Every topic that is recorded, commands first.
 pub fn all() -> impl Iterator<Item = &'static Topic> {
     [&BOUNDARY_COMMAND, &WALL_TARGETS, &REPORT, &WALL_FORCES]
         .into_iter()
         .chain(&WALL_WRENCH)
         .chain([&WALL_STATES, &STATE, &MODULI, &CONTACT_NETWORK, &EVENTS])
+        .chain(&MEASURED_WRENCH)
+        .chain([&DISCREPANCY, &TF_STATIC])
 }

@@ -5,13 +5,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use futures::StreamExt;
-use ros2_client::{Message, MessageInfo, Subscription};
+use ros2_client::{Message, Subscription};
 use tokio::sync::mpsc;
 use tokio::task::AbortHandle;
 
+use super::clock::Clock;
 use super::counters::Counters;
+use crate::command::Command;
 use crate::command::request::Intake;
-use crate::command::{Command, Stamp};
 use crate::msg::Described;
 
 /// Commands that wait for the solver outside of DDS: 9 MB. When they are full, DDS keeps the
@@ -66,6 +67,7 @@ pub(super) async fn receive<M>(
     subscription: Subscription<M>,
     queue: mpsc::Sender<Intake>,
     counters: Arc<Counters>,
+    clock: Clock,
 ) where
     M: Message + Described + 'static,
     Command: From<M>,
@@ -75,8 +77,10 @@ pub(super) async fn receive<M>(
         match sample {
             Ok((message, info)) => {
                 let mut command = Command::from(message);
-                command.age = age(command.stamp, &info);
+                let arrival = info.received_timestamp().map(|time| time.to_nanos());
+                command.age = clock.age(command.stamp, arrival);
                 counters.commands.fetch_add(1, Ordering::Relaxed);
+                counters.health.arrived();
                 if queue.send(command.into()).await.is_err() {
                     return;
                 }
@@ -87,10 +91,4 @@ pub(super) async fn receive<M>(
             }
         }
     }
-}
-
-/// Arrival by the wall clock minus the stamp \[s\].
-fn age(stamp: Stamp, info: &MessageInfo) -> Option<f64> {
-    let arrival = info.received_timestamp()?.to_nanos();
-    Some(arrival.saturating_sub(stamp.nanoseconds()) as f64 * 1e-9)
 }

@@ -2,6 +2,8 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use super::health::Health;
+
 /// Counts kept while the node runs. What is `queued` and not `done` is on its way; contact networks
 /// are counted as frames, apart from the other messages.
 #[derive(Debug, Default)]
@@ -16,6 +18,10 @@ pub(super) struct Counters {
     pub frames_done: AtomicU64,
     pub frames_sent: AtomicU64,
     pub frames_skipped: AtomicU64,
+    /// Requests to the services, and those of them that have their response.
+    pub asked: AtomicU64,
+    pub answered: AtomicU64,
+    pub health: Health,
 }
 
 /// What went through the node, said when it has stopped.
@@ -23,7 +29,7 @@ pub(super) struct Counters {
 pub struct Summary {
     /// Commands received.
     pub commands: u64,
-    /// Samples on the command topic that are no commands.
+    /// Samples on the topics of commands and load cells that are none.
     pub unreadable: u64,
     /// Messages published, contact networks not counted.
     pub published: u64,

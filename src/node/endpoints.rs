@@ -8,13 +8,14 @@ use ros2_client::{
 };
 use serde::Serialize;
 
-use super::NodeError;
 use super::names::Identity;
+use super::services::Services;
+use super::{NodeError, clock, mapping};
 use crate::msg::{
-    BoundaryCommand, ContactNetwork, Event, JointState, Moduli, PackState, Report, Topic,
-    WallForces, WallTargets, WrenchStamped, topics,
+    BoundaryCommand, Clock, ContactNetwork, DiagnosticArray, Discrepancy, Event, JointState,
+    Moduli, PackState, Report, TFMessage, Topic, WallForces, WallTargets, WrenchStamped, topics,
 };
-use crate::wall;
+use crate::{scene, wall};
 
 /// How long one attempt waits for room in the window of unacknowledged samples. No sample is
 /// given up after it; the next attempt starts.
@@ -31,13 +32,19 @@ pub(super) struct Endpoints {
     pub contact_network: Out<ContactNetwork>,
     pub events: Out<Event>,
     pub report: Out<Report>,
+    /// When load cells are mapped.
+    pub discrepancy: Option<Out<Discrepancy>>,
+    pub tf_static: Out<TFMessage>,
+    pub diagnostics: Out<DiagnosticArray>,
     node: Node,
 }
 
 /// A publisher and the topic it publishes on.
 pub(super) struct Out<M: Serialize> {
     publisher: Publisher<M>,
-    /// Full name of the topic.
+    /// Name of the topic under the node's own.
+    topic: &'static str,
+    /// Its full name.
     name: String,
 }
 
@@ -45,6 +52,10 @@ pub(super) struct Out<M: Serialize> {
 pub(super) struct Subscriptions {
     pub commands: Subscription<BoundaryCommand>,
     pub targets: Subscription<WallTargets>,
+    /// Load cells, by wall.
+    pub cells: Vec<(usize, Subscription<WrenchStamped>)>,
+    pub clock: Subscription<Clock>,
+    pub services: Services,
 }
 
 impl Endpoints {
@@ -53,11 +64,22 @@ impl Endpoints {
     pub(super) fn new(
         mut node: Node,
         identity: &Identity,
+        options: &scene::Node,
     ) -> Result<(Self, Subscriptions), NodeError> {
+        let cells = options.measured_wrench.cells();
+        let measured = |wall: &usize| cells.is_some_and(|cells| cells.walls[*wall]);
         let [x_min, x_max, y_min, y_max, z_min, z_max] = &topics::WALL_WRENCH;
         let subscriptions = Subscriptions {
             commands: subscribe(&mut node, identity, &topics::BOUNDARY_COMMAND)?,
             targets: subscribe(&mut node, identity, &topics::WALL_TARGETS)?,
+            cells: (0..wall::COUNT)
+                .filter(measured)
+                .map(|wall| {
+                    Ok((wall, subscribe(&mut node, identity, &topics::MEASURED_WRENCH[wall])?))
+                })
+                .collect::<Result<_, NodeError>>()?,
+            clock: clock::subscribe(&mut node, identity)?,
+            services: Services::new(&mut node, identity, mapping::service_mapping(options))?,
         };
         let endpoints = Self {
             wall_forces: Out::new(&mut node, identity, &topics::WALL_FORCES)?,
@@ -75,21 +97,36 @@ impl Endpoints {
             contact_network: Out::new(&mut node, identity, &topics::CONTACT_NETWORK)?,
             events: Out::new(&mut node, identity, &topics::EVENTS)?,
             report: Out::new(&mut node, identity, &topics::REPORT)?,
+            discrepancy: cells
+                .map(|_| Out::new(&mut node, identity, &topics::DISCREPANCY))
+                .transpose()?,
+            tf_static: Out::new(&mut node, identity, &topics::TF_STATIC)?,
+            diagnostics: Out::new(&mut node, identity, &topics::DIAGNOSTICS)?,
             node,
         };
         Ok((endpoints, subscriptions))
     }
 
-    /// Whether somebody subscribed to any topic.
+    /// Whether somebody subscribed to any topic that tells of the twin.
     pub(super) fn any_listener(&self) -> bool {
-        self.wall_forces.has_listener(self)
-            || self.wrenches.iter().any(|wrench| wrench.has_listener(self))
-            || self.wall_states.has_listener(self)
-            || self.state.has_listener(self)
-            || self.moduli.has_listener(self)
-            || self.contact_network.has_listener(self)
-            || self.events.has_listener(self)
-            || self.report.has_listener(self)
+        self.listeners().iter().any(|(_, listeners)| *listeners > 0)
+    }
+
+    /// How many subscribers each topic that tells of the twin has.
+    pub(super) fn listeners(&self) -> Vec<(&'static str, usize)> {
+        let mut all = vec![self.wall_forces.listeners(self)];
+        all.extend(self.wrenches.iter().map(|wrench| wrench.listeners(self)));
+        all.extend([
+            self.wall_states.listeners(self),
+            self.state.listeners(self),
+            self.moduli.listeners(self),
+            self.contact_network.listeners(self),
+            self.events.listeners(self),
+            self.report.listeners(self),
+        ]);
+        all.extend(self.discrepancy.as_ref().map(|discrepancy| discrepancy.listeners(self)));
+        all.push(self.tf_static.listeners(self));
+        all
     }
 }
 
@@ -98,19 +135,24 @@ impl<M: Serialize> Out<M> {
     pub(super) fn new(
         node: &mut Node,
         identity: &Identity,
-        topic: &Topic,
+        topic: &'static Topic,
     ) -> Result<Self, NodeError> {
         let name = live_name(identity, topic);
         let (dds_topic, qos) = create_topic(node, &name, topic)?;
         let publisher = node
             .create_publisher(&dds_topic, Some(qos))
             .map_err(|error| endpoint_error(&name, &error))?;
-        Ok(Self { publisher, name })
+        Ok(Self { publisher, name, topic: topic.name })
     }
 
     /// Whether somebody subscribed.
     pub(super) fn has_listener(&self, endpoints: &Endpoints) -> bool {
         self.is_matched(&endpoints.node)
+    }
+
+    /// The topic's name and how many subscribed.
+    fn listeners(&self, endpoints: &Endpoints) -> (&'static str, usize) {
+        (self.topic, self.publisher.get_subscription_count(&endpoints.node))
     }
 
     /// Whether a subscriber is matched, asked of the `node` that made this publisher.

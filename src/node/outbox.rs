@@ -11,10 +11,12 @@ use tokio::sync::{mpsc, oneshot};
 use tokio::time::{Instant, timeout};
 
 use super::counters::Counters;
+use super::discrepancy::Comparison;
 use super::endpoints::Endpoints;
 use super::frames::{Frame, Frames};
 use crate::msg::{
-    Event, JointState, Moduli, PackState, Report, WallForces, WrenchStamped, convert,
+    Discrepancy, Event, JointState, Moduli, PackState, Report, TFMessage, WallForces,
+    WrenchStamped, convert,
 };
 use crate::report::Demand;
 use crate::scene::{ModuliKind, Outputs, When};
@@ -49,6 +51,9 @@ pub(super) enum Outgoing {
     Network(Frame),
     Event(Event),
     Report(Report),
+    Discrepancy(Discrepancy),
+    /// Kept by the middleware for whoever comes later.
+    Frames(TFMessage),
 }
 
 /// Where the solver puts the twin's answers for the node to publish.
@@ -58,6 +63,7 @@ pub struct NodeSink {
     endpoints: Weak<Endpoints>,
     frames: Frames,
     counters: Arc<Counters>,
+    comparison: Option<Arc<Comparison>>,
     outputs: Outputs,
     started: bool,
 }
@@ -67,11 +73,12 @@ impl NodeSink {
         queue: mpsc::UnboundedSender<Item>,
         endpoints: &Arc<Endpoints>,
         counters: Arc<Counters>,
+        comparison: Option<Arc<Comparison>>,
         outputs: Outputs,
     ) -> Self {
         let endpoints = Arc::downgrade(endpoints);
         let frames = Frames::new(Arc::clone(&counters));
-        Self { queue, endpoints, frames, counters, outputs, started: false }
+        Self { queue, endpoints, frames, counters, comparison, outputs, started: false }
     }
 
     /// Everything that `served` says, the report last: it closes the increment.
@@ -117,6 +124,13 @@ impl Sink for NodeSink {
     }
 
     fn served(&mut self, served: &Arc<Served>) {
+        self.counters.health.served(served);
+        if let Some(measures) = served.report.measures.as_ref().filter(|_| !self.started) {
+            self.counters.queued.fetch_add(1, Ordering::Relaxed);
+            let frames = Outgoing::Frames(convert::wall_frames(measures));
+            // As below.
+            self.queue.send(Item::Answer(vec![frames])).ok();
+        }
         self.started = true;
         let messages = self.messages(served);
         let item = match served.command {
@@ -125,6 +139,9 @@ impl Sink for NodeSink {
         };
         // Fails only when the node has stopped; its summary then counts the messages as lost.
         self.queue.send(item).ok();
+        if let Some(comparison) = &self.comparison {
+            comparison.served(served);
+        }
     }
 }
 
@@ -195,6 +212,10 @@ impl Outbox {
             Outgoing::Network(_) => endpoints.contact_network.has_listener(endpoints),
             Outgoing::Event(_) => endpoints.events.has_listener(endpoints),
             Outgoing::Report(_) => endpoints.report.has_listener(endpoints),
+            Outgoing::Discrepancy(_) => {
+                endpoints.discrepancy.as_ref().is_some_and(|out| out.has_listener(endpoints))
+            }
+            Outgoing::Frames(_) => endpoints.tf_static.has_listener(endpoints),
         }
     }
 
@@ -208,6 +229,11 @@ impl Outbox {
             Outgoing::Moduli(message) => endpoints.moduli.publish(message).await,
             Outgoing::Event(message) => endpoints.events.publish(message).await,
             Outgoing::Report(message) => endpoints.report.publish(message).await,
+            Outgoing::Discrepancy(message) => match &endpoints.discrepancy {
+                Some(out) => out.publish(message).await,
+                None => false,
+            },
+            Outgoing::Frames(message) => endpoints.tf_static.publish(message).await,
             Outgoing::Network(frame) => {
                 if endpoints.contact_network.has_listener(endpoints) {
                     // Fails only when the task that paces the frames is gone, at the end.

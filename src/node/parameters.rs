@@ -11,6 +11,7 @@ pub(super) mod services;
 mod value;
 mod yaml;
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 pub use descriptor::{Descriptor, Field, Fixed, Range, all};
@@ -95,6 +96,7 @@ pub struct Parameters(Arc<Shared>);
 #[derive(Debug)]
 struct Shared {
     fixed: Fixed,
+    use_sim_time: Arc<AtomicBool>,
     state: Mutex<State>,
 }
 
@@ -110,7 +112,9 @@ impl Parameters {
     #[must_use]
     pub fn new(scene: &Scene, threads: usize) -> Self {
         let state = State { live: Live::of(scene), pending: None };
-        Self(Arc::new(Shared { fixed: Fixed::of(scene, threads), state: Mutex::new(state) }))
+        let use_sim_time = Arc::new(scene.node.use_sim_time.into());
+        let fixed = Fixed::of(scene, threads);
+        Self(Arc::new(Shared { fixed, use_sim_time, state: Mutex::new(state) }))
     }
 
     /// Takes the values that the node is started with, in order. Returns sentences about those
@@ -147,6 +151,7 @@ impl Parameters {
         if !wanted.is_empty() {
             state.live = live;
             state.pending = Some(live);
+            self.0.use_sim_time.store(live.use_sim_time, Ordering::Relaxed);
         }
         Ok(())
     }
@@ -162,6 +167,11 @@ impl Parameters {
     #[must_use]
     pub fn live(&self) -> Live {
         self.state().live
+    }
+
+    /// Whether time is that of `/clock`, for a clock that every task has.
+    pub(super) fn use_sim_time(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.0.use_sim_time)
     }
 
     /// Where the solver's thread finds out what was changed. One is enough.

@@ -14,8 +14,9 @@ use tracing::{Event, Level, Subscriber};
 use tracing_subscriber::Layer;
 use tracing_subscriber::layer::Context;
 
+use super::NodeError;
+use super::clock::Clock;
 use super::names::Identity;
-use super::{NodeError, wall_clock};
 use crate::msg::rcl::Log;
 
 /// The topic.
@@ -65,7 +66,7 @@ impl<S: Subscriber> Layer<S> for RosoutLayer {
         // Full, or nobody publishes any more: either way there is nobody to tell.
         self.0
             .try_send(Log {
-                stamp: wall_clock::now(),
+                stamp: Clock::default().now().into(),
                 level,
                 name: String::new(),
                 msg: text.0,

@@ -14,13 +14,13 @@ use crate::msg::cdr::{self, CdrError};
 use crate::msg::convert::CommandMessage;
 use crate::msg::topics::{self, Topic};
 use crate::msg::{
-    BoundaryCommand, ContactNetwork, Described, Event, JointState, Moduli, PackState, Report,
-    WallForces, WallTargets, WrenchStamped, convert,
+    BoundaryCommand, ContactNetwork, Described, Discrepancy, Event, JointState, Moduli, PackState,
+    Report, TFMessage, WallForces, WallTargets, WrenchStamped, convert,
 };
 use crate::relax::lanes;
 use crate::report::Measures;
 use crate::scene::{self, Compression};
-use crate::sink::Served;
+use crate::sink::{Beside, Served};
 
 /// Why a bag could not be written on.
 #[derive(Debug, thiserror::Error)]
@@ -153,9 +153,29 @@ impl<W: Write> BagWriter<W> {
         }
         self.write(&topics::REPORT, &Report::from(&served.report), time)?;
         if let Some(measures) = &served.report.measures {
+            if served.command.is_none() {
+                self.write(&topics::TF_STATIC, &convert::wall_frames(measures), time)?;
+            }
             self.measures(measures, time)?;
         }
         Ok(self.open > 0)
+    }
+
+    /// Writes what came or went beside the answers, at `time`; says whether it is still in an open
+    /// chunk.
+    pub(super) fn beside(&mut self, beside: &Beside, time: u64) -> Result<bool, BagError> {
+        match beside {
+            Beside::Measured(wall, wrench) => {
+                self.write(&topics::MEASURED_WRENCH[*wall], wrench, time)?;
+            }
+            Beside::Discrepancy(message) => self.write(&topics::DISCREPANCY, message, time)?,
+        }
+        Ok(self.open > 0)
+    }
+
+    /// Messages so far.
+    pub(super) fn messages(&self) -> u64 {
+        self.contents.messages()
     }
 
     fn measures(&mut self, measures: &Measures, time: u64) -> Result<(), BagError> {
@@ -264,9 +284,9 @@ fn program(threads: usize) -> BTreeMap<String, String> {
     ])
 }
 
-/// A message with a header.
+/// A message that says its time.
 trait Stamped: Described + Serialize {
-    /// The header's stamp.
+    /// The stamp of its header, or of its first part's.
     fn stamp(&self) -> Stamp;
 }
 
@@ -280,6 +300,13 @@ macro_rules! stamped {
     )+};
 }
 
+impl Stamped for TFMessage {
+    fn stamp(&self) -> Stamp {
+        let first = self.transforms.first();
+        first.map(|transform| transform.header.stamp.into()).unwrap_or_default()
+    }
+}
+
 stamped!(
     BoundaryCommand,
     WallTargets,
@@ -290,5 +317,6 @@ stamped!(
     PackState,
     Moduli,
     ContactNetwork,
-    Event
+    Event,
+    Discrepancy
 );

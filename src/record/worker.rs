@@ -2,7 +2,7 @@
 
 use std::fs::{self, File};
 use std::io::BufWriter;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -10,14 +10,15 @@ use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use super::bag::BagWriter;
 use super::{FLUSH_AFTER, RecordError, Recorded, Target, metadata};
-use crate::sink::Served;
+use crate::sink::{Beside, RecordingState, Served};
 
-/// One answer of the twin, on its way to the file.
+/// What is on its way to the file, and when it happened, in nanoseconds since 1970.
 #[derive(Debug)]
-pub(super) struct Answer {
-    pub(super) served: Arc<Served>,
-    /// When, in nanoseconds since 1970.
-    pub(super) time: u64,
+pub(super) enum Item {
+    /// One answer of the twin.
+    Answer(Arc<Served>, u64),
+    /// What came or went beside.
+    Beside(Box<Beside>, u64),
 }
 
 /// Nanoseconds since 1970; 0 when the clock says that it is earlier.
@@ -33,11 +34,41 @@ pub(super) struct Status {
     failed: AtomicBool,
     reason: Mutex<Option<String>>,
     lost: AtomicU64,
+    messages: AtomicU64,
+    bytes: AtomicU64,
+    /// Bytes left on the file system; the largest number when nobody knows.
+    free: AtomicU64,
 }
 
 impl Status {
     pub(super) fn new(path: PathBuf) -> Self {
-        Self { path, failed: false.into(), reason: Mutex::new(None), lost: 0.into() }
+        Self {
+            path,
+            failed: false.into(),
+            reason: Mutex::new(None),
+            lost: 0.into(),
+            messages: 0.into(),
+            bytes: 0.into(),
+            free: u64::MAX.into(),
+        }
+    }
+
+    /// How the recording fares.
+    pub(super) fn state(&self) -> RecordingState {
+        let free = self.free.load(Ordering::Relaxed);
+        RecordingState {
+            messages: self.messages.load(Ordering::Relaxed),
+            bytes: self.bytes.load(Ordering::Relaxed),
+            lost: self.lost.load(Ordering::Relaxed),
+            free: (free != u64::MAX).then_some(free),
+            failure: self.failure().map(|failure| failure.to_string()),
+        }
+    }
+
+    fn look_at_disk(&self, bytes: u64) {
+        self.bytes.store(bytes, Ordering::Relaxed);
+        let folder = self.path.parent().unwrap_or(Path::new("."));
+        self.free.store(free_bytes(folder).unwrap_or(u64::MAX), Ordering::Relaxed);
     }
 
     /// Whether the recording has failed.
@@ -79,20 +110,20 @@ type Bag = BagWriter<BufWriter<File>>;
 
 /// What the thread owns besides the bag.
 pub(super) struct Worker {
-    answers: Receiver<Answer>,
+    items: Receiver<Item>,
     status: Arc<Status>,
     target: Target,
-    /// Since when there are answers in the open chunk.
+    /// Since when there is something in the open chunk.
     waiting: Option<Instant>,
-    /// Answers that are not on disk for sure.
+    /// Items that are not on disk for sure.
     pending: u64,
-    /// Answers that are.
+    /// Items that are.
     safe: u64,
 }
 
 impl Worker {
-    pub(super) fn new(answers: Receiver<Answer>, status: Arc<Status>, target: Target) -> Self {
-        Self { answers, status, target, waiting: None, pending: 0, safe: 0 }
+    pub(super) fn new(items: Receiver<Item>, status: Arc<Status>, target: Target) -> Self {
+        Self { items, status, target, waiting: None, pending: 0, safe: 0 }
     }
 
     /// Writes until nobody sends any more, then ends the recording.
@@ -100,7 +131,7 @@ impl Worker {
         self.record(bag).map_err(|reason| {
             let failure = self.status.fail(reason, self.pending);
             // The twin must not wait for a recorder that writes no more.
-            let unwritten = self.answers.iter().count();
+            let unwritten = self.items.iter().count();
             self.status.lose(unwritten as u64);
             self.status.failure().unwrap_or(failure)
         })
@@ -108,14 +139,12 @@ impl Worker {
 
     fn record(&mut self, mut bag: Bag) -> Result<Recorded, String> {
         loop {
-            let answer = match self.waiting {
-                None => self.answers.recv().map_err(RecvTimeoutError::from),
-                Some(since) => {
-                    self.answers.recv_timeout(FLUSH_AFTER.saturating_sub(since.elapsed()))
-                }
+            let item = match self.waiting {
+                None => self.items.recv().map_err(RecvTimeoutError::from),
+                Some(since) => self.items.recv_timeout(FLUSH_AFTER.saturating_sub(since.elapsed())),
             };
-            match answer {
-                Ok(answer) => self.write(&mut bag, &answer)?,
+            match item {
+                Ok(item) => self.write(&mut bag, &item)?,
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => break,
             }
@@ -127,9 +156,14 @@ impl Worker {
         self.finish(bag)
     }
 
-    fn write(&mut self, bag: &mut Bag, answer: &Answer) -> Result<(), String> {
+    fn write(&mut self, bag: &mut Bag, item: &Item) -> Result<(), String> {
         self.pending += 1;
-        if bag.answer(&answer.served, answer.time).map_err(text)? {
+        let open = match item {
+            Item::Answer(served, time) => bag.answer(served, *time),
+            Item::Beside(beside, time) => bag.beside(beside, *time),
+        };
+        self.status.messages.store(bag.messages(), Ordering::Relaxed);
+        if open.map_err(text)? {
             self.waiting.get_or_insert_with(Instant::now);
             Ok(())
         } else {
@@ -142,7 +176,8 @@ impl Worker {
         self.safe += self.pending;
         self.pending = 0;
         self.waiting = None;
-        if self.target.file().exists() {
+        if let Ok(file) = fs::metadata(self.target.file()) {
+            self.status.look_at_disk(file.len());
             return Ok(());
         }
         self.pending = self.safe;
@@ -166,4 +201,19 @@ impl Worker {
 
 fn text(error: impl std::fmt::Display) -> String {
     error.to_string()
+}
+
+/// What the file system of `folder` has left for programs like this one.
+#[cfg(unix)]
+fn free_bytes(folder: &Path) -> Option<u64> {
+    let found = nix::sys::statvfs::statvfs(folder).ok()?;
+    // The width of these numbers differs from system to system.
+    #[allow(clippy::unnecessary_cast, clippy::useless_conversion, reason = "it does not on Linux")]
+    let (blocks, size) = (u64::from(found.blocks_available()), found.fragment_size() as u64);
+    Some(blocks.saturating_mul(size))
+}
+
+#[cfg(not(unix))]
+fn free_bytes(_: &Path) -> Option<u64> {
+    None
 }

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::MeasuredWrench;
 use super::check::{Field, Problems};
 
 /// Highest DDS domain whose ports exist (RTPS 9.6.1.1).
@@ -21,6 +22,10 @@ pub struct Node {
     pub virtual_rig: bool,
     /// How services go over DDS.
     pub service_mapping: ServiceMapping,
+    /// The age of a command is counted on the time of `/clock`, not on the machine's.
+    pub use_sim_time: bool,
+    /// The real rig's load cells.
+    pub measured_wrench: MeasuredWrench,
 }
 
 impl Default for Node {
@@ -31,6 +36,8 @@ impl Default for Node {
             stale_after: 0.0,
             virtual_rig: false,
             service_mapping: ServiceMapping::Auto,
+            use_sim_time: false,
+            measured_wrench: MeasuredWrench::default(),
         }
     }
 }
@@ -41,6 +48,7 @@ impl Node {
         problems.number(at.key("stale_after"), self.stale_after, "stale_after >= 0 s", |seconds| {
             seconds >= 0.0
         });
+        self.measured_wrench.check(&at.key("measured_wrench"), problems);
     }
 }
 

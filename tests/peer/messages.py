@@ -144,6 +144,79 @@ class Report(IdlStruct, typename="graintwin_msgs.msg.dds_.Report_"):
     text: str
 
 
+@dataclass
+class WallTargets(IdlStruct, typename="graintwin_msgs.msg.dds_.WallTargets_"):
+    header: Header
+    session: str
+    sequence: uint64
+    mode: uint8
+    control: array[uint8, 6]
+    value: array[float64, 6]
+
+
+@dataclass
+class Discrepancy(IdlStruct, typename="graintwin_msgs.msg.dds_.Discrepancy_"):
+    header: Header
+    increment: uint64
+    valid: array[bool, 6]
+    twin_force: array[float64, 6]
+    rig_force: array[float64, 6]
+    difference: array[float64, 6]
+    delay: array[float64, 6]
+
+
+@dataclass
+class KeyValue(IdlStruct, typename="diagnostic_msgs.msg.dds_.KeyValue_"):
+    key: str
+    value: str
+
+
+@dataclass
+class DiagnosticStatus(IdlStruct, typename="diagnostic_msgs.msg.dds_.DiagnosticStatus_"):
+    level: uint8
+    name: str
+    message: str
+    hardware_id: str
+    values: sequence[KeyValue]
+
+
+@dataclass
+class DiagnosticArray(IdlStruct, typename="diagnostic_msgs.msg.dds_.DiagnosticArray_"):
+    header: Header
+    status: sequence[DiagnosticStatus]
+
+
+@dataclass
+class Quaternion(IdlStruct, typename="geometry_msgs.msg.dds_.Quaternion_"):
+    x: float64
+    y: float64
+    z: float64
+    w: float64
+
+
+@dataclass
+class Transform(IdlStruct, typename="geometry_msgs.msg.dds_.Transform_"):
+    translation: Vector3
+    rotation: Quaternion
+
+
+@dataclass
+class TransformStamped(IdlStruct, typename="geometry_msgs.msg.dds_.TransformStamped_"):
+    header: Header
+    child_frame_id: str
+    transform: Transform
+
+
+@dataclass
+class TFMessage(IdlStruct, typename="tf2_msgs.msg.dds_.TFMessage_"):
+    transforms: sequence[TransformStamped]
+
+
+@dataclass
+class Clock(IdlStruct, typename="rosgraph_msgs.msg.dds_.Clock_"):
+    clock: Time
+
+
 class Out(NamedTuple):
     """What the node publishes on one topic; depth is the peer's, deep enough for its bursts."""
 

@@ -15,7 +15,12 @@ import numpy
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.base import TypesysError
 
-NUMPY = {"float64": numpy.float64, "uint32": numpy.uint32, "uint8": numpy.uint8}
+NUMPY = {
+    "float64": numpy.float64,
+    "uint32": numpy.uint32,
+    "uint8": numpy.uint8,
+    "bool": numpy.bool_,
+}
 
 
 def build(store, name, value):

@@ -41,7 +41,7 @@ impl Live {
             stale_after: scene.node.stale_after,
             limits: Limits::default(),
             merge: false,
-            use_sim_time: false,
+            use_sim_time: scene.node.use_sim_time,
             tolerance: scene.solver.tolerance,
             max_strain_increment: scene.solver.max_strain_increment,
         }
@@ -51,6 +51,7 @@ impl Live {
     /// recording that echoes it, have them.
     pub fn write_to(&self, scene: &mut Scene) {
         scene.node.stale_after = self.stale_after;
+        scene.node.use_sim_time = self.use_sim_time;
         scene.solver.tolerance = self.tolerance;
         scene.solver.max_strain_increment = self.max_strain_increment;
     }

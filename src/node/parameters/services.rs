@@ -13,8 +13,9 @@ use tokio::task::JoinHandle;
 
 use super::{Descriptor, Field, Kind, Parameters, Refusal, Value, find, list};
 use crate::msg::rcl;
+use crate::node::clock::Clock;
 use crate::node::names::Identity;
-use crate::node::{NodeError, mapping, wall_clock};
+use crate::node::{NodeError, mapping};
 use crate::scene;
 
 /// Where changes are told.
@@ -163,7 +164,7 @@ impl Events {
             return;
         }
         let event = rcl::ParameterEvent {
-            stamp: wall_clock::now(),
+            stamp: Clock::default().now().into(),
             node: self.node.clone(),
             changed_parameters,
             ..rcl::ParameterEvent::default()
