@@ -37,7 +37,9 @@ pub use load_path::{
     Unload,
 };
 pub use material::Material;
-pub use node::{Discovery, Node};
+pub use node::{
+    Discovery, Fault, Joint, JointStates, JointTrajectory, Late, Limits, Node, WallName, Zero,
+};
 pub use outputs::{Markers, ModuliKind, Outputs, When};
 pub use pack::{Generate, PackSource, Radius};
 pub use record::{Compression, Record};

@@ -5,10 +5,11 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use graintwin::scene::{
-    self, Axis, Compression, Contact, Coulomb, Discovery, Friction, Generate, Isotropic, Lateral,
-    Law, LoadPath, Markers, Material, Method, ModuliKind, Moving, Node, Normal, Outputs,
-    PackSource, Polyaxial, Radius, Record, Repeat, RigLog, Scene, Solver, Step, StrainUnit,
-    Triaxial, Uniaxial, Unload, Update, Walls, When, prepare,
+    self, Axis, Compression, Contact, Coulomb, Discovery, Fault, Friction, Generate, Isotropic,
+    Joint, JointStates, JointTrajectory, Late, Lateral, Law, Limits, LoadPath, Markers, Material,
+    Method, ModuliKind, Moving, Node, Normal, Outputs, PackSource, Polyaxial, Radius, Record,
+    Repeat, RigLog, Scene, Solver, Step, StrainUnit, Triaxial, Uniaxial, Unload, Update, WallName,
+    Walls, When, Zero, prepare,
 };
 use graintwin::wall::Bounds;
 use proptest::option;
@@ -203,6 +204,53 @@ fn solver() -> impl Strategy<Value = Solver> {
     )
 }
 
+/// Joints, each with a wall of its own.
+fn joints() -> impl Strategy<Value = BTreeMap<String, Joint>> {
+    use WallName::{XMax, XMin, YMax, YMin, ZMax, ZMin};
+    let walls = prop::sample::subsequence(vec![XMin, XMax, YMin, YMax, ZMin, ZMax], 1..=6);
+    (walls, word(), prop::sample::select(vec![1.0, -1.0]), positive(), -1e3..1e3).prop_map(
+        |(walls, name, sign, gear, zero)| {
+            let joint = |wall| Joint { wall, sign, gear, zero: Zero::At(zero) };
+            walls.into_iter().map(|wall| (format!("{name}{wall:?}"), joint(wall))).collect()
+        },
+    )
+}
+
+fn limits() -> impl Strategy<Value = Limits> {
+    (prop::array::uniform4(prop_oneof![Just(0.0), positive()]), any::<bool>()).prop_map(
+        |([travel, rate, strain, force], clamp)| Limits { travel, rate, strain, force, clamp },
+    )
+}
+
+fn node() -> impl Strategy<Value = Node> {
+    let reach = prop::sample::select(vec![Discovery::Localhost, Discovery::Subnet]);
+    let faults = prop::sample::subsequence(vec![Fault::NotConverged, Fault::Limit], 0..=2);
+    let late = prop::sample::select(vec![Late::Every, Late::Merge]);
+    let states = (word(), joints(), any::<bool>()).prop_map(|(session, mut joints, first)| {
+        joints.values_mut().filter(|_| first).for_each(|joint| joint.zero = Zero::First);
+        JointStates { session, joints }
+    });
+    let trajectory =
+        (word(), joints()).prop_map(|(session, joints)| JointTrajectory { session, joints });
+    let rest = (faults, late, option::of(states), option::of(trajectory));
+    (reach, 0..=232_u16, 0.0..1e6, any::<bool>(), limits(), rest).prop_map(
+        |(discovery, domain_id, stale_after, virtual_rig, limits, rest)| {
+            let (hold_after, late, joint_states, joint_trajectory) = rest;
+            Node {
+                discovery,
+                domain_id,
+                stale_after,
+                limits,
+                hold_after,
+                late,
+                joint_states,
+                joint_trajectory,
+                virtual_rig,
+            }
+        },
+    )
+}
+
 fn service() -> impl Strategy<Value = (Outputs, Node, Record)> {
     let when = prop::sample::select(vec![When::Always, When::OnDemand, When::Never]);
     let markers = prop::sample::select(vec![Markers::OnDemand, Markers::Never]);
@@ -212,19 +260,10 @@ fn service() -> impl Strategy<Value = (Outputs, Node, Record)> {
         markers,
         moduli,
     });
-    let reach = prop::sample::select(vec![Discovery::Localhost, Discovery::Subnet]);
-    let node = (reach, 0..=232_u16, 0.0..1e6, any::<bool>()).prop_map(
-        |(discovery, domain_id, stale_after, virtual_rig)| Node {
-            discovery,
-            domain_id,
-            stale_after,
-            virtual_rig,
-        },
-    );
     let kind = prop::sample::select(vec![Compression::Zstd, Compression::Lz4, Compression::None]);
     let record = ((1_u64 << 20)..=(1 << 30), kind)
         .prop_map(|(chunk, compression)| Record { chunk, compression });
-    (outputs, node, record)
+    (outputs, node(), record)
 }
 
 fn scene() -> impl Strategy<Value = Scene> {

@@ -50,24 +50,9 @@ const TABLE: &[Row] = &[
         text: "this version maps no topics; the names are those of the node; allowed: no such key",
     },
     Row {
-        keys: &["node", "joint_states"],
-        value: Value::Any,
-        text: "this version takes commands from ~/boundary_command only; allowed: no such key",
-    },
-    Row {
-        keys: &["node", "joint_trajectory"],
-        value: Value::Any,
-        text: "this version takes commands from ~/boundary_command only; allowed: no such key",
-    },
-    Row {
         keys: &["node", "measured_wrench"],
         value: Value::Any,
         text: "this version compares no load cells with the twin; allowed: no such key",
-    },
-    Row {
-        keys: &["node", "limits"],
-        value: Value::Any,
-        text: "this version has no limits of travel, rate or force; allowed: no such key",
     },
 ];
 
