@@ -18,5 +18,8 @@ pub use graintwin::{
     BoundaryCommand, ContactNetwork, Event, Moduli, PackState, Report, WallForces, WallTargets,
 };
 pub use schema::{Described, MessageType};
-pub use standard::{Header, JointState, Time, Vector3, Wrench, WrenchStamped};
+pub use standard::{
+    Duration, Header, JointState, JointTrajectory, JointTrajectoryPoint, Time, Vector3, Wrench,
+    WrenchStamped,
+};
 pub use topics::Topic;

@@ -50,6 +50,7 @@ use tokio::sync::{mpsc, oneshot};
 use tokio::task::JoinHandle;
 use tokio::time::{sleep, timeout};
 
+use commands::Intakes;
 pub use commands::{Commands, EndOfCommands};
 use counters::Counters;
 pub use counters::Summary;
@@ -57,7 +58,8 @@ use endpoints::{Endpoints, Subscriptions};
 pub use outbox::NodeSink;
 use outbox::{Item, Outbox};
 
-use crate::msg::topics;
+use crate::command::map::{JointStateMap, TrajectoryMap};
+use crate::msg::{JointState, JointTrajectory, topics};
 use crate::scene::{self, Outputs};
 
 /// Log directives for the middleware, to go before those of the user. At WARN it tells, on a
@@ -158,7 +160,7 @@ impl Node {
     ) -> Result<Self, NodeError> {
         let context = participant::join(options)?;
         let (ros_node, spinner) = create(&context, topics::NODE)?;
-        let (endpoints, subscriptions) = Endpoints::new(ros_node)?;
+        let (endpoints, subscriptions) = Endpoints::new(ros_node, options)?;
         let endpoints = Arc::new(endpoints);
         let runtime = Builder::new_multi_thread()
             .worker_threads(THREADS)
@@ -169,12 +171,8 @@ impl Node {
 
         let spinner = runtime.spawn(spin(spinner));
         let (commands_in, commands_out) = mpsc::channel(commands::WAITING);
-        let Subscriptions { commands, targets } = subscriptions;
-        let (queue, count) = (commands_in.clone(), Arc::clone(&counters));
-        let receiving = [
-            runtime.spawn(commands::receive(commands, queue, count)),
-            runtime.spawn(commands::receive(targets, commands_in, Arc::clone(&counters))),
-        ];
+        let intake = Intakes { queue: commands_in, counters: Arc::clone(&counters) };
+        let receiving = receive(&runtime, subscriptions, options, &intake);
         let end_of_commands =
             EndOfCommands(receiving.iter().map(JoinHandle::abort_handle).collect());
         let stopping = runtime.spawn(end_when_stopped(Arc::clone(stop), end_of_commands.clone()));
@@ -260,6 +258,37 @@ impl Node {
         }
         summary
     }
+}
+
+/// Starts a task for each topic that commands come from.
+fn receive(
+    runtime: &Runtime,
+    subscriptions: Subscriptions,
+    options: &scene::Node,
+    intake: &Intakes,
+) -> Vec<JoinHandle<()>> {
+    let Subscriptions { commands, targets, joint_states, joint_trajectory } = subscriptions;
+    let mut tasks = vec![
+        runtime.spawn(intake.clone().receive(commands, commands::of_ours)),
+        runtime.spawn(intake.clone().receive(targets, commands::of_ours)),
+    ];
+    if let (Some(subscription), Some(map)) = (joint_states, &options.joint_states) {
+        let mut map = JointStateMap::new(map);
+        let read = move |message: JointState, info: &_| {
+            let age = commands::age(message.header.stamp.into(), info);
+            [map.intake(&message, age)]
+        };
+        tasks.push(runtime.spawn(intake.clone().receive(subscription, read)));
+    }
+    if let (Some(subscription), Some(map)) = (joint_trajectory, &options.joint_trajectory) {
+        let mut map = TrajectoryMap::new(map);
+        let read = move |message: JointTrajectory, info: &_| {
+            let age = commands::age(message.header.stamp.into(), info);
+            map.intakes(&message, age)
+        };
+        tasks.push(runtime.spawn(intake.clone().receive(subscription, read)));
+    }
+    tasks
 }
 
 /// A node of `context` at the root of the name space, and the background task it needs.

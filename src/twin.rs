@@ -1,6 +1,7 @@
 //! The one door: [`Twin::apply`] takes a command and returns a report.
 
 mod limited;
+mod merged;
 mod requests;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -19,6 +20,7 @@ use crate::report::{Demand, Event, EventKind, Measures, Moduli, PackState, Repor
 use crate::scene::Scene;
 use crate::state::State;
 use limited::Gone;
+pub use merged::Merged;
 
 /// Why a twin could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -157,7 +159,10 @@ impl Twin {
     pub fn apply(&mut self, command: &Command, demand: Demand) -> Report {
         let report = self.blank(command);
         match self.gate.decide(command) {
-            Decision::Serve(order) => self.serve(command, order, demand),
+            Decision::Serve(order) => {
+                let gone = self.go(&order, self.gate.limits().clamp);
+                self.conclude(command, order, gone, demand)
+            }
             Decision::Repeat => self.repeat(report),
             Decision::Refuse(disposition, text) => {
                 let report = Report { disposition, text, ..report };
@@ -183,9 +188,9 @@ impl Twin {
         }
     }
 
-    /// Moves the walls for a command that was accepted.
-    fn serve(&mut self, command: &Command, order: Order, demand: Demand) -> Report {
-        let Gone { reached, setpoint, beyond, clamped } = self.go(&order);
+    /// Counts and reports where the walls went for a command that the gate let through.
+    fn conclude(&mut self, command: &Command, order: Order, gone: Gone, demand: Demand) -> Report {
+        let Gone { reached, setpoint, beyond, clamped } = gone;
         let mut report = Report { substeps: reached.substeps, ..self.blank(command) };
         let refused = match &beyond {
             _ if !reached.outcome.status.is_equilibrium() => {

@@ -5,8 +5,8 @@ use std::fs;
 use std::path::Path;
 
 use graintwin::scene::{
-    self, Coulomb, Discovery, Friction, Lateral, Law, Scene, SceneError, Step, StrainUnit, Update,
-    When, prepare,
+    self, Coulomb, Discovery, Fault, Friction, Joint, Late, Lateral, Law, Limits, Scene,
+    SceneError, Step, StrainUnit, Update, WallName, When, Zero, prepare,
 };
 
 fn parse(text: &str) -> Result<Scene, SceneError> {
@@ -484,7 +484,7 @@ fn wrong_limits_and_joints_are_named_with_what_is_allowed() {
         ),
         ("node: {limits: {force: .nan}}", "2:24: node.limits.force: NaN is not a finite number"),
         ("node: {limits: {speed: 1}}", "2:17: node.limits.speed: unknown field `speed`"),
-        ("node: {hold_after: [gap]}", "2:20: node.hold_after[0]: unknown variant `gap`"),
+        ("node: {hold_after: [gap]}", "2:21: node.hold_after[0]: unknown variant `gap`"),
         ("node: {late: drop}", "2:14: node.late: unknown variant `drop`, expected one of every"),
         ("node: {joint_states: {}}", "2:22: node.joint_states: missing field `joints`"),
         (
@@ -509,7 +509,7 @@ fn wrong_limits_and_joints_are_named_with_what_is_allowed() {
         ),
         (
             "node: {joint_states: {joints: {a: {wall: z_max, zero: last}}}}",
-            "2:55: node.joint_states.joints.a.zero: unknown variant `last`, expected one of a number",
+            "2:49: node.joint_states.joints.a.zero: unknown variant `last`, expected one of a number",
         ),
         (
             "node: {joint_trajectory: {joints: {a: {wall: z_max, zero: first}}}}",

@@ -4,13 +4,13 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use graintwin::command::Command;
-use graintwin::command::request::Intake;
 use graintwin::node::rig::{Played, Rig, RigError};
 use graintwin::node::{self, Node};
 use graintwin::scene::Scene;
 use graintwin::sink::Sink;
 
 use super::Failure;
+use super::source::Source;
 
 /// The node and whoever plays to it.
 pub(super) struct Link {
@@ -60,7 +60,7 @@ impl Link {
         self.rig.as_ref().map(|(_, count)| *count)
     }
 
-    pub(super) fn commands(&mut self) -> Box<dyn Iterator<Item = Intake> + '_> {
+    pub(super) fn commands(&mut self) -> Box<dyn Source + '_> {
         Box::new(self.node.commands())
     }
 

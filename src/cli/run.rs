@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use indicatif::MultiProgress;
 
 use graintwin::command::Command;
-use graintwin::command::request::Intake;
 #[cfg(feature = "mcap")]
 use graintwin::pack::Pack;
 use graintwin::path;
@@ -19,6 +18,7 @@ use super::progress::Progress;
 use super::recording::{self, Recording};
 #[cfg(feature = "ros")]
 use super::ros::Link;
+use super::source::{Given, Source};
 use super::summary::Summary;
 use super::{Cli, Failure, Outcome, output, serve, specimen, stop};
 
@@ -83,7 +83,7 @@ pub(super) fn run(args: &Args, cli: &Cli, bars: &MultiProgress) -> Result<Outcom
     let served = {
         let mut sinks: Vec<Box<dyn Sink + '_>> = Vec::new();
         #[cfg(feature = "ros")]
-        let (source, length) = match &mut link {
+        let (mut source, length) = match &mut link {
             Some(link) => {
                 sinks.push(link.sink());
                 let length = link.length();
@@ -92,12 +92,13 @@ pub(super) fn run(args: &Args, cli: &Cli, bars: &MultiProgress) -> Result<Outcom
             None => from_file(commands),
         };
         #[cfg(not(feature = "ros"))]
-        let (source, length) = from_file(commands);
+        let (mut source, length) = from_file(commands);
         #[cfg(feature = "mcap")]
         sinks.extend(recording.as_mut().map(|recording| Box::new(recording) as Box<dyn Sink>));
         sinks.push(Box::new(&mut summary));
         sinks.push(Box::new(Progress::new(length, bars)));
-        serve::serve(&mut twin, loaded.scene.outputs, source, &mut sinks, &stop)
+        let how = (loaded.scene.outputs, loaded.scene.node.late);
+        serve::serve(&mut twin, how, source.as_mut(), &mut sinks, &stop)
     };
     #[cfg(feature = "ros")]
     if let Some(link) = link {
@@ -114,9 +115,9 @@ pub(super) fn run(args: &Args, cli: &Cli, bars: &MultiProgress) -> Result<Outcom
 }
 
 /// Commands that are all known, and how many there are.
-fn from_file<'a>(commands: Vec<Command>) -> (Box<dyn Iterator<Item = Intake> + 'a>, Option<usize>) {
+fn from_file<'a>(commands: Vec<Command>) -> (Box<dyn Source + 'a>, Option<usize>) {
     let length = Some(commands.len());
-    (Box::new(commands.into_iter().map(Intake::from)), length)
+    (Box::new(Given::new(commands)), length)
 }
 
 #[cfg(feature = "mcap")]

@@ -227,6 +227,14 @@ impl Gate {
         self.report = Some(Report { measures: None, ..report.clone() });
     }
 
+    /// Takes it that `command` is accepted and the walls do what `order` says.
+    pub fn expect(&mut self, command: &Command, order: &Order) {
+        self.displacement = self.destination(&order.setpoint);
+        self.last = Some((command.session.clone(), command.sequence));
+        self.accepted = Some((command.session.clone(), command.stamp));
+        self.now = order.setpoint;
+    }
+
     /// Forgets every command; the walls are back at their start. Limits, hold and faults stay.
     pub fn forget_commands(&mut self) {
         self.displacement = [0.0; wall::COUNT];

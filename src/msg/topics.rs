@@ -2,8 +2,8 @@
 
 use super::schema::{Described, MessageType};
 use super::{
-    BoundaryCommand, ContactNetwork, Event, JointState, Moduli, PackState, Report, WallForces,
-    WallTargets, WrenchStamped,
+    BoundaryCommand, ContactNetwork, Event, JointState, JointTrajectory, Moduli, PackState, Report,
+    WallForces, WallTargets, WrenchStamped,
 };
 use crate::wall;
 
@@ -82,6 +82,10 @@ impl Topic {
 pub static BOUNDARY_COMMAND: Topic = Topic::new("boundary_command", BoundaryCommand::TYPE, 20_000);
 /// In: [`WallTargets`].
 pub static WALL_TARGETS: Topic = Topic::new("wall_targets", WallTargets::TYPE, 20_000);
+/// In, when the scene maps joints: [`JointState`]. Recorded as the [`WallTargets`] it becomes.
+pub static JOINT_STATES: Topic = Topic::new("joint_states", JointState::TYPE, 256);
+/// In, when the scene maps joints: [`JointTrajectory`]. Recorded as the [`WallTargets`] it becomes.
+pub static JOINT_TRAJECTORY: Topic = Topic::new("joint_trajectory", JointTrajectory::TYPE, 64);
 /// Out: [`Report`].
 pub static REPORT: Topic = Topic::new("report", Report::TYPE, 256);
 /// Out: [`WallForces`].
@@ -107,7 +111,7 @@ pub static CONTACT_NETWORK: Topic = Topic::new("contact_network", ContactNetwork
 /// Out: [`Event`], one message an event.
 pub static EVENTS: Topic = Topic::new("events", Event::TYPE, 64);
 
-/// Every topic, commands first.
+/// Every topic that is recorded, commands first.
 pub fn all() -> impl Iterator<Item = &'static Topic> {
     [&BOUNDARY_COMMAND, &WALL_TARGETS, &REPORT, &WALL_FORCES]
         .into_iter()

@@ -33,6 +33,11 @@ impl Commands {
         Self { queue, stop }
     }
 
+    /// The next one if it has come already, unless the stop flag is raised.
+    pub fn next_waiting(&mut self) -> Option<Intake> {
+        if self.stopped() { None } else { self.queue.try_recv().ok() }
+    }
+
     fn stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
@@ -61,36 +66,55 @@ impl EndOfCommands {
     }
 }
 
-/// Takes every command from a topic and hands it over with its age.
-pub(super) async fn receive<M>(
-    subscription: Subscription<M>,
-    queue: mpsc::Sender<Intake>,
-    counters: Arc<Counters>,
-) where
-    M: Message + Described + 'static,
-    Command: From<M>,
-{
-    let mut stream = pin!(subscription.async_stream());
-    while let Some(sample) = stream.next().await {
-        match sample {
-            Ok((message, info)) => {
-                let mut command = Command::from(message);
-                command.age = age(command.stamp, &info);
-                counters.commands.fetch_add(1, Ordering::Relaxed);
-                if queue.send(command.into()).await.is_err() {
-                    return;
+/// The way from the topics to [`Commands`].
+#[derive(Clone)]
+pub(super) struct Intakes {
+    pub(super) queue: mpsc::Sender<Intake>,
+    pub(super) counters: Arc<Counters>,
+}
+
+impl Intakes {
+    /// Takes every message from a topic and hands over what `read` makes of it.
+    pub(super) async fn receive<M, F, I>(self, subscription: Subscription<M>, mut read: F)
+    where
+        M: Message + Described + 'static,
+        F: FnMut(M, &MessageInfo) -> I,
+        I: IntoIterator<Item = Intake>,
+        I::IntoIter: Send,
+    {
+        let mut stream = pin!(subscription.async_stream());
+        while let Some(sample) = stream.next().await {
+            match sample {
+                Ok((message, info)) => {
+                    for intake in read(message, &info) {
+                        self.counters.commands.fetch_add(1, Ordering::Relaxed);
+                        if self.queue.send(intake).await.is_err() {
+                            return;
+                        }
+                    }
                 }
-            }
-            Err(error) => {
-                counters.unreadable.fetch_add(1, Ordering::Relaxed);
-                tracing::error!("a command is lost, its bytes are no {}: {error}", M::TYPE.name);
+                Err(error) => {
+                    self.counters.unreadable.fetch_add(1, Ordering::Relaxed);
+                    let name = M::TYPE.name;
+                    tracing::error!("a command is lost, its bytes are no {name}: {error}");
+                }
             }
         }
     }
 }
 
-/// Arrival by the wall clock minus the stamp \[s\].
-fn age(stamp: Stamp, info: &MessageInfo) -> Option<f64> {
+/// The command in a message of this package.
+pub(super) fn of_ours<M>(message: M, info: &MessageInfo) -> [Intake; 1]
+where
+    Command: From<M>,
+{
+    let command = Command::from(message);
+    let age = age(command.stamp, info);
+    [Intake::Command(Command { age, ..command })]
+}
+
+/// How old a message is that was stamped at `stamp`: arrival by the wall clock minus that \[s\].
+pub(super) fn age(stamp: Stamp, info: &MessageInfo) -> Option<f64> {
     let arrival = info.received_timestamp()?.to_nanos();
     Some(arrival.saturating_sub(stamp.nanoseconds()) as f64 * 1e-9)
 }

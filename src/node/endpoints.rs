@@ -10,9 +10,10 @@ use serde::Serialize;
 
 use super::NodeError;
 use crate::msg::{
-    BoundaryCommand, ContactNetwork, Event, JointState, Moduli, PackState, Report, Topic,
-    WallForces, WallTargets, WrenchStamped, topics,
+    BoundaryCommand, ContactNetwork, Event, JointState, JointTrajectory, Moduli, PackState, Report,
+    Topic, WallForces, WallTargets, WrenchStamped, topics,
 };
+use crate::scene;
 use crate::wall;
 
 /// How long one attempt waits for room in the window of unacknowledged samples. No sample is
@@ -43,16 +44,31 @@ pub(super) struct Out<M: Serialize> {
 pub(super) struct Subscriptions {
     pub commands: Subscription<BoundaryCommand>,
     pub targets: Subscription<WallTargets>,
+    /// When the scene maps joints.
+    pub joint_states: Option<Subscription<JointState>>,
+    /// When the scene maps joints.
+    pub joint_trajectory: Option<Subscription<JointTrajectory>>,
 }
 
 impl Endpoints {
     /// Makes every endpoint of `node`. All of them exist before anything asks who is matched:
     /// asking while others are made has been seen to deadlock.
-    pub(super) fn new(mut node: Node) -> Result<(Self, Subscriptions), NodeError> {
+    pub(super) fn new(
+        mut node: Node,
+        options: &scene::Node,
+    ) -> Result<(Self, Subscriptions), NodeError> {
         let [x_min, x_max, y_min, y_max, z_min, z_max] = &topics::WALL_WRENCH;
         let subscriptions = Subscriptions {
             commands: subscribe(&mut node, &topics::BOUNDARY_COMMAND)?,
             targets: subscribe(&mut node, &topics::WALL_TARGETS)?,
+            joint_states: match options.joint_states {
+                Some(_) => Some(subscribe(&mut node, &topics::JOINT_STATES)?),
+                None => None,
+            },
+            joint_trajectory: match options.joint_trajectory {
+                Some(_) => Some(subscribe(&mut node, &topics::JOINT_TRAJECTORY)?),
+                None => None,
+            },
         };
         let endpoints = Self {
             wall_forces: Out::new(&mut node, &topics::WALL_FORCES)?,

@@ -22,10 +22,17 @@ pub(super) struct Gone {
     pub(super) clamped: bool,
 }
 
+impl Gone {
+    /// Whether the walls went all the way.
+    pub(super) fn is_whole(&self) -> bool {
+        self.reached.outcome.status.is_equilibrium() && self.beyond.is_none()
+    }
+}
+
 impl Twin {
-    /// Takes the walls where `order` says, or as far as the limits allow with `limits.clamp`.
-    /// When they do not go, the state is what it was.
-    pub(super) fn go(&mut self, order: &Order) -> Gone {
+    /// Takes the walls where `order` says, or with `clamp` as far as the limits allow. When they
+    /// do not go, the state is what it was.
+    pub(super) fn go(&mut self, order: &Order, clamp: bool) -> Gone {
         let (setpoint, clamped) = (order.setpoint, false);
         if !self.gate.watches(&setpoint) {
             return Gone { reached: self.advance(&setpoint), setpoint, beyond: None, clamped };
@@ -41,7 +48,7 @@ impl Twin {
             return Gone { reached, setpoint, beyond, clamped };
         }
         self.state.copy_from(&start);
-        if !self.gate.limits().clamp {
+        if !clamp {
             return Gone { reached, setpoint, beyond, clamped };
         }
         let (mut within, mut too_far) = (0.0, 1.0);

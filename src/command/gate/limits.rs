@@ -42,7 +42,7 @@ impl Course {
 
 impl Gate {
     /// Where `setpoint` sends the walls \[m\]; those under a load stay meanwhile.
-    fn destination(&self, setpoint: &Setpoint) -> [f64; wall::COUNT] {
+    pub(super) fn destination(&self, setpoint: &Setpoint) -> [f64; wall::COUNT] {
         std::array::from_fn(|w| match setpoint[w] {
             Control::Displacement(displacement) => displacement,
             Control::Load(_) => self.displacement[w],
