@@ -10,8 +10,9 @@ use std::path::Path;
 use graintwin::command::{Ask, Command, Disposition, Mode, Stamp};
 use graintwin::msg::convert::{self, CommandMessage, LIVE_CHUNK};
 use graintwin::msg::{
-    BoundaryCommand, ContactNetwork, Described, Event, Header, JointState, Moduli, PackState,
-    Report, Time, Vector3, WallForces, WallTargets, Wrench, WrenchStamped, topics,
+    BoundaryCommand, ContactNetwork, Described, Duration, Event, Header, JointState,
+    JointTrajectory, JointTrajectoryPoint, Moduli, PackState, Report, Time, Vector3, WallForces,
+    WallTargets, Wrench, WrenchStamped, topics,
 };
 use graintwin::report::{self, ContactState, Measures};
 use graintwin::wall::{self, WallTarget};
@@ -80,6 +81,9 @@ fn every_struct_has_the_fields_of_its_text() {
     assert_same_fields::<Wrench>();
     assert_same_fields::<WrenchStamped>();
     assert_same_fields::<JointState>();
+    assert_same_fields::<Duration>();
+    assert_same_fields::<JointTrajectoryPoint>();
+    assert_same_fields::<JointTrajectory>();
 }
 
 #[test]
