@@ -27,6 +27,7 @@ mod loose;
 pub mod newton;
 pub mod rattlers;
 mod rows;
+pub mod servo;
 mod site;
 mod split;
 mod sticking;
@@ -42,7 +43,7 @@ use crate::heap;
 use crate::model::Model;
 use crate::scene::Method;
 use crate::state::{Memory, State};
-use crate::wall::Bounds;
+use crate::wall::{self, Bounds};
 use balance::{Balance, Configuration, Sums};
 use coupled::Coupled;
 use dynamic::Inertia;
@@ -51,6 +52,7 @@ use linear::{Inner, Linear};
 use loose::Loose;
 use newton::Solved;
 use rattlers::Rattlers;
+use servo::Servo;
 use site::{Adjacency, Others};
 use tangential::{Changes, Reference};
 
@@ -128,6 +130,8 @@ pub struct Workspace {
     pub neighbours: Neighbours,
     /// The balance at the state.
     pub balance: Balance,
+    /// Walls under loads.
+    pub servo: Servo,
     /// Where shear and torsion are counted from.
     pub reference: Reference,
     /// The linear system of the present step without friction.
@@ -157,6 +161,7 @@ pub struct Workspace {
     first_turn: Vec<Vec3>,
     trial: Vec<Vec3>,
     trial_rotation: Vec<Vec3>,
+    trial_displacement: [f64; wall::COUNT],
     /// Where the present search began.
     origin: Pose,
     /// Whether the present search met negative curvature.
@@ -186,6 +191,7 @@ impl Workspace {
         Self {
             neighbours: Neighbours::default(),
             balance: Balance::default(),
+            servo: Servo::default(),
             reference: Reference::default(),
             linear: Linear::default(),
             coupled: Coupled::default(),
@@ -202,6 +208,7 @@ impl Workspace {
             first_turn: Vec::new(),
             trial: Vec::with_capacity(model.len()),
             trial_rotation: Vec::new(),
+            trial_displacement: [0.0; wall::COUNT],
             origin: Pose::default(),
             concave: false,
             velocity: Vec::with_capacity(model.len()),
@@ -236,6 +243,7 @@ impl Workspace {
         self.neighbours.heap_bytes()
             + self.balance.heap_bytes()
             + self.trial_balance.heap_bytes()
+            + self.servo.heap_bytes()
             + self.reference.heap_bytes()
             + self.linear.heap_bytes()
             + self.coupled.heap_bytes()
@@ -265,6 +273,8 @@ impl Workspace {
             bounds,
             reference_stiffness: self.reference_stiffness,
         });
+        let grains = (&*state.position, &*state.carries);
+        self.balance.unbalance = self.servo.unbalance(model, &self.neighbours, grains, bounds);
     }
 
     /// Takes the equilibrium `state` as the reference that shear and torsion count from.
@@ -322,6 +332,18 @@ impl Workspace {
         self.solve_as_it_is(largest, forcing, most)
     }
 
+    /// The step of grains that are in balance, after [`assemble`](Self::assemble).
+    fn rest(&mut self) -> Inner {
+        self.factorise();
+        for (step, of) in
+            [(&mut self.step, &self.balance.gradient), (&mut self.turn, &self.balance.moment)]
+        {
+            step.clear();
+            step.resize(of.len(), Vec3::zeros());
+        }
+        Inner::Step
+    }
+
     /// As [`solve`](Self::solve), with the last linearisation and shifts.
     fn solve_as_it_is(&mut self, largest: f64, forcing: f64, most: u32) -> Inner {
         let balance = std::mem::take(&mut self.balance);
@@ -351,14 +373,14 @@ impl Workspace {
     }
 
     /// Takes the balance of `state` moved by `factor` times the step into `trial_balance`.
-    fn try_step(&mut self, model: &Model, state: &State, bounds: &Bounds, factor: f64) {
-        self.go(model, state, factor);
-        self.judge(model, state, bounds);
+    fn try_step(&mut self, model: &Model, state: &State, factor: f64) {
+        let bounds = self.go(model, state, factor);
+        self.judge(model, state, &bounds);
     }
 
     /// As [`try_step`](Self::try_step), with the loose grains brought to balance where that leads.
-    fn try_settled_step(&mut self, model: &Model, state: &State, bounds: &Bounds, factor: f64) {
-        self.go(model, state, factor);
+    fn try_settled_step(&mut self, model: &Model, state: &State, factor: f64) {
+        let bounds = &self.go(model, state, factor);
         self.neighbours.refresh(model, &self.trial, bounds);
         let aim = newton::LOOSE_AIM * newton::least_loose(model, &self.balance);
         let overlap = self.balance.sums.mean_overlap();
@@ -369,8 +391,10 @@ impl Workspace {
         self.judge(model, state, bounds);
     }
 
-    /// Puts the grains of `state`, moved by `factor` times the step, on trial.
-    fn go(&mut self, model: &Model, state: &State, factor: f64) {
+    /// Puts the grains of `state`, moved by `factor` times the step, on trial, and the walls under
+    /// loads with them; returns the box.
+    fn go(&mut self, model: &Model, state: &State, factor: f64) -> Bounds {
+        self.trial_displacement = self.servo.displaced(&state.displacement, factor);
         self.trial.clear();
         self.trial
             .extend(state.position.iter().zip(&self.step).map(|(at, step)| at + step * factor));
@@ -379,6 +403,7 @@ impl Workspace {
             (state.rotation.iter().zip(&self.turn).zip(&model.radius))
                 .map(|((at, turn), radius)| at + turn * (factor / radius)),
         );
+        model.start.displaced(&self.trial_displacement)
     }
 
     /// Takes the balance of the grains on trial.
@@ -394,6 +419,9 @@ impl Workspace {
             bounds,
             reference_stiffness: self.reference_stiffness,
         });
+        let grains = (&*self.trial, &*state.carries);
+        self.trial_balance.unbalance =
+            self.servo.unbalance(model, &self.neighbours, grains, bounds);
     }
 
     /// Makes the configuration that was tried last the one of `state`.
@@ -401,6 +429,7 @@ impl Workspace {
         std::mem::swap(&mut state.position, &mut self.trial);
         std::mem::swap(&mut state.rotation, &mut self.trial_rotation);
         std::mem::swap(&mut self.balance, &mut self.trial_balance);
+        state.displacement = self.trial_displacement;
     }
 
     /// Change of the potential of `balance` along the step \[J\].
@@ -408,7 +437,8 @@ impl Workspace {
         let along = |gradient: &[Vec3], step: &[Vec3]| -> f64 {
             gradient.iter().zip(step).map(|(g, s)| g.dot(s)).sum()
         };
-        along(&balance.gradient, &self.step) + along(&balance.moment, &self.turn)
+        let walls: f64 = balance.unbalance.iter().zip(self.servo.step).map(|(f, e)| f * e).sum();
+        along(&balance.gradient, &self.step) + along(&balance.moment, &self.turn) + walls
     }
 }
 
@@ -421,8 +451,12 @@ pub fn relax(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome 
     work.origin.copy(state);
     let outcome = carrying(model, state, work);
     let descends = model.solver.method == Method::Newton;
-    if !descends || !matches!(outcome.status, Status::Unstable | Status::Stalled) {
-        // The other methods descend step by step of their own accord.
+    if !descends
+        || work.servo.is_active()
+        || !matches!(outcome.status, Status::Unstable | Status::Stalled)
+    {
+        // The other methods descend step by step of their own accord; under loads the walls creep
+        // (`advance`).
         return outcome;
     }
     downhill::descend(model, state, work, outcome)

@@ -17,8 +17,9 @@ use crate::relax::advance::Advance;
 use crate::relax::jump::Jump;
 use crate::relax::{Effort, Outcome, Status, Workspace, accuracy, relax};
 use crate::report::{Demand, Event, EventKind, Measures, Moduli, PackState, Report};
-use crate::scene::Scene;
+use crate::scene::{Method, Scene};
 use crate::state::State;
+use crate::wall::Setpoint;
 use limited::Gone;
 pub use merged::Merged;
 
@@ -126,7 +127,7 @@ impl Twin {
         if !outcome.status.is_equilibrium() {
             self.state = given;
             report.disposition = Disposition::NotConverged;
-            report.text = format!("the pack as given: {}", self.explain(&outcome));
+            report.text = format!("the pack as given: {}", self.explain(&outcome, 0.0));
             return report;
         }
         let Self { model, state, work, pool, .. } = self;
@@ -149,8 +150,16 @@ impl Twin {
         let Outcome { iterations, descents, .. } = outcome;
         let substeps = report.substeps;
         let jumps = std::mem::take(&mut self.work.jumps);
-        let reached =
-            Advance { outcome, substeps, iterations, descents, wall_force_error, jumps, changes };
+        let reached = Advance {
+            outcome,
+            substeps,
+            iterations,
+            descents,
+            wall_force_error,
+            crept: 0.0,
+            jumps,
+            changes,
+        };
         report.measures = Some(self.measure(Stamp::default(), &reached, demand));
         report
     }
@@ -159,6 +168,11 @@ impl Twin {
     pub fn apply(&mut self, command: &Command, demand: Demand) -> Report {
         let report = self.blank(command);
         match self.gate.decide(command) {
+            Decision::Serve(order) if loads_need_newton(&self.model, &order.setpoint) => Report {
+                disposition: Disposition::Invalid,
+                text: "walls under loads need solver.method newton".into(),
+                ..report
+            },
             Decision::Serve(order) => {
                 let gone = self.go(&order, self.gate.limits().clamp);
                 self.conclude(command, order, gone, demand)
@@ -194,7 +208,7 @@ impl Twin {
         let mut report = Report { substeps: reached.substeps, ..self.blank(command) };
         let refused = match &beyond {
             _ if !reached.outcome.status.is_equilibrium() => {
-                Some((Disposition::NotConverged, self.explain(&reached.outcome)))
+                Some((Disposition::NotConverged, self.explain(&reached.outcome, reached.crept)))
             }
             Some(beyond) if !clamped => Some((Disposition::Limit, beyond.clone())),
             _ => None,
@@ -217,6 +231,13 @@ impl Twin {
         if reached.outcome.status == Status::Unjammed {
             report.text = join(&report.text, UNJAMMED);
         }
+        if reached.crept > 0.0 {
+            let text = format!(
+                "no equilibrium nearby carried the loads: walls yielded by a strain of {:.2e}",
+                reached.crept
+            );
+            report.text = join(&report.text, &text);
+        }
         for jump in &reached.jumps {
             report.text = join(&report.text, &tell(jump));
         }
@@ -238,13 +259,17 @@ impl Twin {
     }
 
     /// One sentence about a relaxation that failed.
-    fn explain(&self, outcome: &Outcome) -> String {
+    fn explain(&self, outcome: &Outcome, crept: f64) -> String {
         let tolerance = self.model.solver.tolerance;
         let residual = outcome.residual;
         match outcome.status {
             Status::MaxIterations => format!(
                 "no equilibrium in {} iterations: residual {residual:.1e}, {tolerance:.1e} asked",
                 outcome.iterations
+            ),
+            Status::Unstable if crept > 0.0 => format!(
+                "no equilibrium carries the loads: residual {residual:.1e}, {tolerance:.1e} asked, \
+                 after the walls yielded by a strain of {crept:.2e}"
             ),
             Status::Unstable => format!(
                 "unstable: residual {residual:.1e} after {} legs of overdamped flow, \
@@ -372,6 +397,11 @@ impl Twin {
             history: self.state.history(&self.model),
         }
     }
+}
+
+/// Whether walls shall carry loads that the scene's method cannot balance.
+fn loads_need_newton(model: &Model, setpoint: &Setpoint) -> bool {
+    model.solver.method != Method::Newton && setpoint.iter().any(|wall| wall.load().is_some())
 }
 
 const UNJAMMED: &str = "no grain carries load";

@@ -1,14 +1,14 @@
 //! One load increment: walls to a target, in sub-increments that the pack can follow.
 
-use crate::Vec3;
 use crate::measure::walls;
 use crate::model::Model;
-use crate::relax::jump::Jump;
+use crate::relax::jump::{Carried, Jump};
+use crate::relax::servo::{self, Drive};
 use crate::relax::tangential::Changes;
 use crate::relax::{Outcome, Status, Workspace, accuracy, newton, relax};
 use crate::scene::{Method, Update};
 use crate::state::State;
-use crate::wall::{self, Control, Setpoint};
+use crate::wall::{self, Bounds, Control, Load, Setpoint};
 
 /// A sub-increment is never smaller than this share of `solver.max_strain_increment`, so that
 /// decompression passes the point where the overlaps vanish.
@@ -19,6 +19,12 @@ const ROUNDING: f64 = 1e-9;
 const HALVINGS: u32 = 6;
 /// Most times that the limits of friction are renewed and the increment solved again.
 const RENEWALS: u32 = 3;
+/// Walls under loads may go this many times as far in a sub-increment as those that are moved.
+const STRETCH: f64 = 4.0;
+/// Halvings after which walls creep whose loads find no equilibrium nearby.
+const YIELDS: u32 = 2;
+/// Most times that they do so in one increment.
+const MOST_CREEPS: u32 = 300;
 
 /// What an increment came to.
 #[derive(Clone, Debug)]
@@ -34,13 +40,16 @@ pub struct Advance {
     /// Estimated error of the normal forces on the walls at the end, the largest \[N\]
     /// ([`accuracy`]).
     pub wall_force_error: f64,
+    /// Strain by which walls yielded to loads that no equilibrium nearby carried.
+    pub crept: f64,
     /// Instabilities that the pack went through, in order.
     pub jumps: Vec<Jump>,
     /// Contacts that opened and formed, and what is left of the error of freezing the limits.
     pub changes: Changes,
 }
 
-/// Moves the walls of `state`, an equilibrium, to the displacement `target` \[m\] and relaxes.
+/// Moves the walls of `state`, an equilibrium, to where `setpoint` has them and relaxes: those that
+/// stand to their displacement, those under a load until they carry it.
 ///
 /// When no equilibrium is found `state` is what it was before. `here` is the outcome that led to
 /// `state`.
@@ -51,10 +60,6 @@ pub fn advance(
     setpoint: &Setpoint,
     here: Outcome,
 ) -> Advance {
-    let target = &std::array::from_fn(|w| match setpoint[w] {
-        Control::Displacement(displacement) => displacement,
-        Control::Load(_) => state.displacement[w],
-    });
     let start = state.clone();
     let mut last = state.clone();
     let mut so_far = Advance {
@@ -63,32 +68,56 @@ pub fn advance(
         iterations: 0,
         descents: 0,
         wall_force_error: 0.0,
+        crept: 0.0,
         jumps: Vec::new(),
         changes: Changes::default(),
     };
     work.neighbours.refresh(model, &state.position, &state.bounds(model));
     let mut forces = walls::normal_forces(model, state, &work.neighbours);
-    while state.displacement != *target || so_far.substeps == 0 {
-        let ratio = remaining_strain(model, state, target) / strain_limit(model, &so_far.outcome);
+    let goal = Drive::of(setpoint);
+    let mut drives = present(&goal, &forces, &state.bounds(model));
+    let mut creeps = 0;
+    loop {
+        let target = standing_target(setpoint, state);
+        let arrived = state.displacement == target && drives == goal;
+        if arrived && so_far.substeps > 0 {
+            break;
+        }
+        let limit = strain_limit(model, &so_far.outcome);
+        let way = remaining_strain(model, state, &target) / limit;
+        let ratio = way.max(remaining_load(model, &drives, &goal, &so_far.outcome) / limit);
         let parts = (ratio * (1.0 - ROUNDING)).ceil().max(1.0);
         let mut share = 1.0 / parts;
         last.copy_from(state);
+        let mut crept = false;
         for attempt in 0.. {
             work.begin(model, state);
             work.jumps.clear();
-            move_walls(model, state, target, share);
+            move_walls(model, state, &target, share);
+            let aim = part_of_the_way(&drives, &goal, share);
+            work.servo.begin(&aim, STRETCH * limit);
             // The seeds' methods begin where the walls take the grains.
             if work.reference.active && model.solver.method == Method::Newton {
                 newton::predict(model, state, work);
             }
-            let outcome = solve(model, state, work);
+            let mut outcome = solve(model, state, work);
+            let lost = matches!(outcome.status, Status::Unstable | Status::Stalled);
+            if lost && !goal.is_empty() && attempt >= YIELDS && creeps < MOST_CREEPS {
+                state.copy_from(&last);
+                outcome = creep(model, state, work, &target, (share, limit));
+                crept = true;
+                creeps += 1;
+            }
+            work.servo.begin(&[], 0.0);
             so_far.outcome = outcome;
             so_far.iterations += outcome.iterations;
             so_far.descents += outcome.descents;
             if outcome.status.is_equilibrium() {
+                drives = aim;
                 break;
             }
             state.copy_from(&last);
+            crept = false;
             if attempt == HALVINGS {
                 state.copy_from(&start);
                 so_far.jumps.clear();
@@ -97,7 +126,12 @@ pub fn advance(
             share *= 0.5;
         }
         so_far.substeps += 1;
-        if state.displacement == *target {
+        let next = walls::normal_forces(model, state, &work.neighbours);
+        if crept {
+            // What was lost on the way is asked for anew.
+            drives = present(&goal, &next, &state.bounds(model));
+            so_far.crept += strain_between(model, &last, state);
+        } else if drives == goal && state.displacement == standing_target(setpoint, state) {
             so_far.wall_force_error =
                 accuracy::wall_force_error(model, state, work, &so_far.outcome);
         }
@@ -106,7 +140,6 @@ pub fn advance(
         so_far.changes.opened += changes.opened;
         so_far.changes.formed += changes.formed;
         so_far.changes.excess = so_far.changes.excess.max(changes.excess);
-        let next = walls::normal_forces(model, state, &work.neighbours);
         for w in 0..wall::COUNT {
             let path = state.displacement[w] - last.displacement[w];
             state.wall_work += 0.5 * (forces[w] + next[w]) * path;
@@ -114,6 +147,82 @@ pub fn advance(
         forces = next;
     }
     so_far
+}
+
+/// Where the walls that stand shall go; those under a load are where they are.
+fn standing_target(setpoint: &Setpoint, state: &State) -> [f64; wall::COUNT] {
+    std::array::from_fn(|w| match setpoint[w] {
+        Control::Displacement(displacement) => displacement,
+        Control::Load(_) => state.displacement[w],
+    })
+}
+
+/// The drives of `goal` with the loads that the walls carry now.
+fn present(goal: &[Drive], forces: &[f64; wall::COUNT], bounds: &Bounds) -> Vec<Drive> {
+    let now = |drive: &Drive| {
+        let force = drive.force(forces);
+        let load = match drive.load {
+            Load::Force(_) => Load::Force(force),
+            Load::Stress(_) => Load::Stress(force / bounds.area(2 * drive.axis)),
+        };
+        Drive { load, ..*drive }
+    };
+    goal.iter().map(now).collect()
+}
+
+/// Loads after `share` of the way from `drives` to `goal`.
+fn part_of_the_way(drives: &[Drive], goal: &[Drive], share: f64) -> Vec<Drive> {
+    if share >= 1.0 {
+        return goal.to_vec();
+    }
+    let part = |(now, goal): (&Drive, &Drive)| {
+        let load = match (now.load, goal.load) {
+            (Load::Force(now), Load::Force(goal)) => Load::Force(now + share * (goal - now)),
+            (Load::Stress(now), Load::Stress(goal)) => Load::Stress(now + share * (goal - now)),
+            (_, other) => other,
+        };
+        Drive { load, ..*goal }
+    };
+    drives.iter().zip(goal).map(part).collect()
+}
+
+/// Strain that the rest of the loads will take, from the law of Hertz: h ~ P^(2/3).
+fn remaining_load(model: &Model, drives: &[Drive], goal: &[Drive], here: &Outcome) -> f64 {
+    let overlap_strain = here.sums.mean_overlap() / (2.0 * model.mean_radius);
+    let change = |(now, goal): (&Drive, &Drive)| {
+        let [now, goal] = [now.load, goal.load].map(|load| load.force(1.0));
+        if now == goal { 0.0 } else { (goal - now).abs() / now.max(f64::MIN_POSITIVE) }
+    };
+    let most = drives.iter().zip(goal).map(change).fold(0.0, f64::max);
+    if overlap_strain == 0.0 { 0.0 } else { 2.0 / 3.0 * most * overlap_strain }
+}
+
+/// Largest strain of an axis between two states.
+fn strain_between(model: &Model, one: &State, other: &State) -> f64 {
+    let (before, after) = (one.bounds(model).sides(), other.bounds(model).sides());
+    (0..3).map(|axis| (after[axis] / before[axis] - 1.0).abs()).fold(0.0, f64::max)
+}
+
+/// From `state`, an equilibrium, lets the walls yield to their loads by a strain of `limit` at most
+/// and the standing ones go `share` of the way to `target`, and then relaxes with all of them held:
+/// walls that carry a load are slow against grains that jump.
+fn creep(
+    model: &Model,
+    state: &mut State,
+    work: &mut Workspace,
+    target: &[f64; wall::COUNT],
+    (share, limit): (f64, f64),
+) -> Outcome {
+    let drives = std::mem::take(&mut work.servo.drives);
+    work.servo.begin(&drives, limit);
+    let displacement = servo::yielding(model, state, work);
+    work.servo.begin(&[], 0.0);
+    let target: [f64; wall::COUNT] = std::array::from_fn(|w| match target[w] {
+        still if still == state.displacement[w] => displacement[w],
+        target => state.displacement[w] + share * (target - state.displacement[w]),
+    });
+    move_walls(model, state, &target, 1.0);
+    solve(model, state, work)
 }
 
 /// Relaxes, and with friction up to date renews the limits and relaxes again.
@@ -166,10 +275,8 @@ pub fn move_walls(model: &Model, state: &mut State, target: &[f64; wall::COUNT],
     for (now, target) in state.displacement.iter_mut().zip(target) {
         *now = if share >= 1.0 { *target } else { *now + share * (target - *now) };
     }
-    let after = state.bounds(model);
-    let (low, new_low) = (Vec3::from(before.min), Vec3::from(after.min));
-    let scale = Vec3::from(after.sides()).component_div(&Vec3::from(before.sides()));
+    let carried = Carried::new(&before, &state.bounds(model));
     for at in &mut state.position {
-        *at = new_low + scale.component_mul(&(*at - low));
+        *at = carried.to(at);
     }
 }

@@ -93,6 +93,8 @@ pub struct Balance {
     pub shear_potential: f64,
     /// Totals.
     pub sums: Sums,
+    /// Force on the walls of each drive of the servo beyond its load \[N\].
+    pub unbalance: [f64; 3],
     /// How often the balance was taken.
     pub evaluations: u64,
     /// Force on `second` of each link, negated \[N\], in the places of `links`.

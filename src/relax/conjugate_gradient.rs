@@ -106,7 +106,7 @@ fn search(
     let mut high: Option<Trial> = None;
     let mut alpha = (-slope / (curvature * square)).min(cap);
     for _ in 0..TRIALS {
-        work.try_step(model, state, bounds, alpha);
+        work.try_step(model, state, alpha);
         let here = Trial { alpha, slope: work.slope(&work.trial_balance) };
         let down = here.slope < 0.0;
         if here.slope.abs() <= SLACK * slope.abs() || (down && alpha >= cap) {

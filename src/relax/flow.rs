@@ -135,7 +135,7 @@ impl Flow {
         }
         let drag =
             sigma * (square / self::square(&work.balance.gradient, &work.balance.moment)).sqrt();
-        work.try_step(model, state, &bounds, 1.0);
+        work.try_step(model, state, 1.0);
         if correct(work, sigma) == Inner::NegativeCurvature {
             return Err(Refused(STIFFEN * self.shift));
         }
@@ -147,7 +147,7 @@ impl Flow {
         if error > 1.0 {
             return Err(Refused(change * self.shift));
         }
-        work.try_step(model, state, &bounds, 1.0);
+        work.try_step(model, state, 1.0);
         if share > SHARE && !settle(model, state, work, sigma) {
             work.evaluate(model, state, &bounds);
             work.assemble(model);
@@ -210,7 +210,6 @@ fn take_correction(model: &Model, state: &State, work: &mut Workspace) -> (f64, 
 /// than [`SHARE`]: contacts opened or closed on the way. Says whether the forces g + σ s that are
 /// left at the trial configuration are small against those of the drag or those at the start.
 fn settle(model: &Model, state: &State, work: &mut Workspace, sigma: f64) -> bool {
-    let bounds = state.bounds(model);
     let allowed = LEFT * LEFT * square(&work.balance.gradient, &work.balance.moment);
     for _ in 0..MOST_SETTLING {
         let Workspace { trial_balance, step, turn, .. } = &mut *work;
@@ -233,7 +232,7 @@ fn settle(model: &Model, state: &State, work: &mut Workspace, sigma: f64) -> boo
         for (d, s) in step.iter_mut().chain(turn).zip(first_step.iter().chain(&*first_turn)) {
             *d += s;
         }
-        work.try_step(model, state, &bounds, 1.0);
+        work.try_step(model, state, 1.0);
     }
     false
 }

@@ -5,6 +5,7 @@ use crate::heap;
 use crate::model::Model;
 use crate::relax::balance::{Balance, Sums};
 use crate::state::State;
+use crate::wall::{self, Bounds};
 
 /// The unbalanced force has grown when it is this many times its least.
 const GROWTH: f64 = 1.5;
@@ -18,6 +19,8 @@ pub(super) struct Pose {
     pub position: Vec<Vec3>,
     /// Rotations \[rad\], shape (n) or empty.
     rotation: Vec<Vec3>,
+    /// Where the walls are \[m\].
+    displacement: [f64; wall::COUNT],
 }
 
 impl Pose {
@@ -25,6 +28,20 @@ impl Pose {
     pub(super) fn copy(&mut self, state: &State) {
         self.position.clone_from(&state.position);
         self.rotation.clone_from(&state.rotation);
+        self.displacement = state.displacement;
+    }
+
+    /// How far each grain of `state` is from here, but for where the walls took it along \[m\].
+    pub(super) fn moved<'a>(
+        &'a self,
+        model: &Model,
+        state: &'a State,
+    ) -> impl Iterator<Item = Vec3> + 'a {
+        let (before, after) = (model.start.displaced(&self.displacement), state.bounds(model));
+        let stands = self.displacement == state.displacement;
+        let carried = Carried::new(&before, &after);
+        let from = self.position.iter().map(move |at| if stands { *at } else { carried.to(at) });
+        state.position.iter().zip(from).map(|(at, from)| at - from)
     }
 
     /// Memory that its lists hold \[bytes\].
@@ -36,6 +53,29 @@ impl Pose {
     pub(super) fn restore(&self, state: &mut State) {
         state.position.copy_from_slice(&self.position);
         state.rotation.copy_from_slice(&self.rotation);
+    }
+}
+
+/// The affine motion of a box from one shape to another.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Carried {
+    from: Vec3,
+    to: Vec3,
+    scale: Vec3,
+}
+
+impl Carried {
+    pub(super) fn new(before: &Bounds, after: &Bounds) -> Self {
+        Self {
+            from: before.min.into(),
+            to: after.min.into(),
+            scale: Vec3::from(after.sides()).component_div(&Vec3::from(before.sides())),
+        }
+    }
+
+    /// Where it takes what was at `at`.
+    pub(super) fn to(&self, at: &Vec3) -> Vec3 {
+        self.to + self.scale.component_mul(&(at - self.from))
     }
 }
 

@@ -4,6 +4,7 @@ use crate::Vec3;
 use crate::model::Model;
 use crate::relax::balance::Balance;
 use crate::relax::linear::Inner;
+use crate::relax::servo::{self, Motion};
 use crate::relax::{Status, Workspace, rattlers};
 use crate::state::State;
 use crate::wall::Bounds;
@@ -58,7 +59,6 @@ pub struct Solved {
 
 /// Relaxes the grains of `state` that carry load.
 pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
-    let bounds = state.bounds(model);
     let tolerance = model.solver.tolerance;
     let mut iterations = 0;
     let mut extra = 0;
@@ -69,17 +69,27 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
     let mut shifted = false;
     let mut in_a_row = 0;
     let mut settled = false;
-    work.evaluate(model, state, &bounds);
+    work.servo.search();
+    work.evaluate(model, state, &state.bounds(model));
     loop {
+        let bounds = state.bounds(model);
         let sums = work.balance.sums;
         let largest = work.balance.largest();
         let mean_force = sums.mean_force();
-        let residual = residual(model, largest, mean_force);
+        let residual = residual(model, largest, mean_force).max(work.servo.residual(
+            &work.balance.unbalance,
+            &bounds,
+            mean_force,
+        ));
         let end = move |status| Solved { status, residual, iterations };
         if !(largest.is_finite() && sums.energy.is_finite()) {
             return end(Status::NonFinite);
         }
         if !model.has_gravity() && mean_force < work.negligible_force {
+            if work.servo.is_active() {
+                // No position nearby carries the loads.
+                return end(Status::Unstable);
+            }
             return Solved { residual: 0.0, ..end(Status::Unjammed) };
         }
         let patient = iterations > 0 && iterations % PATIENCE == 0;
@@ -113,7 +123,7 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
             find_loose(model, work);
         }
         work.assemble(model);
-        let least = FORCING[usize::from(work.reference.active)];
+        let least = FORCING[usize::from(work.reference.active || work.servo.is_active())];
         let forcing = (0.3 * tolerance / residual).clamp(least, MOST_FORCING);
         match step(model, state, work, &bounds, forcing, largest) {
             Some(used) => shifted = used,
@@ -122,7 +132,7 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
             None if residual <= tolerance => return end(Status::Converged),
             None => return end(Status::Stalled),
         }
-        if work.concave && work.follows && leapt(state, work) {
+        if work.servo.ran_away() || work.concave && work.follows && leapt(model, state, work) {
             return Solved { iterations, ..end(Status::Unstable) };
         }
         in_a_row = if shifted { in_a_row + 1 } else { 0 };
@@ -154,11 +164,10 @@ pub(super) fn least_loose(model: &Model, balance: &Balance) -> f64 {
 
 /// Whether a grain that carries load is far from where it started: a shifted step goes downhill,
 /// but after many of them the pack may be in another basin than the flow leads to.
-fn leapt(state: &State, work: &Workspace) -> bool {
+fn leapt(model: &Model, state: &State, work: &Workspace) -> bool {
     let far = (LEAP * work.balance.sums.mean_overlap()).powi(2);
-    let moved = state.position.iter().zip(&work.origin.position);
-    (moved.zip(&state.carries))
-        .any(|((at, from), &carries)| carries && (at - from).norm_squared() > far)
+    let moved = work.origin.moved(model, state);
+    moved.zip(&state.carries).any(|(moved, &carries)| carries && moved.norm_squared() > far)
 }
 
 /// Takes one step as if contacts that stuck would stick on: moving with the walls without turning
@@ -175,11 +184,26 @@ pub(super) fn predict(model: &Model, state: &mut State, work: &mut Workspace) {
         return;
     }
     let longest = work.balance.sums.mean_overlap();
+    cut_to(&mut work.step, &mut work.turn, longest);
+    work.servo.search();
+    work.reference.sticks = true;
+    servo::drive(model, state, work, &state.bounds(model), longest);
+    work.reference.sticks = false;
     for i in 0..model.len() {
-        let length = work.step[i].norm().max(work.turn[i].norm());
-        let share = if length > longest { longest / length } else { 1.0 };
-        state.position[i] += work.step[i] * share;
-        state.rotation[i] += work.turn[i] * (share / model.radius[i]);
+        state.position[i] += work.step[i];
+        state.rotation[i] += work.turn[i] / model.radius[i];
+    }
+    state.displacement = work.servo.displaced(&state.displacement, 1.0);
+}
+
+/// Cuts steps and turns to `longest` \[m\].
+fn cut_to(step: &mut [Vec3], turn: &mut [Vec3], longest: f64) {
+    for (step, turn) in step.iter_mut().zip(turn) {
+        let length = step.norm().max(turn.norm());
+        if length > longest {
+            *step *= longest / length;
+            *turn *= longest / length;
+        }
     }
 }
 
@@ -222,11 +246,15 @@ fn step(
             (force / (cap * work.reference_stiffness)) as f32
         }
     };
+    let mut yields = false;
     for _ in 0..MOST_SHIFTS {
         for shift in &mut work.shift {
             *shift = shift.max(damping);
         }
-        let inner = work.solve(largest, forcing, MOST_PRODUCTS);
+        let inner = match largest > 0.0 {
+            true => work.solve(largest, forcing, MOST_PRODUCTS),
+            false => work.rest(),
+        };
         if inner == Inner::NegativeCurvature {
             work.concave = true;
             let concave = |i: usize| work.reference.active && work.coupled.curvature(i) < 0.0;
@@ -239,6 +267,10 @@ fn step(
         let shortened = work.reference.active && cut(work, cap);
         if !work.reference.active && hold_back(work, cap) {
             continue;
+        }
+        if servo::drive(model, state, work, bounds, cap) == Motion::Yielding {
+            work.servo.renew();
+            yields = true;
         }
         let shifted = shortened || work.shift.iter().any(|&shift| shift > damping);
         let Some(whole) = search(model, state, work, bounds) else {
@@ -254,7 +286,7 @@ fn step(
                 () => *shift / RELIEF,
             };
         }
-        return Some(shifted);
+        return Some(shifted || yields);
     }
     None
 }
@@ -300,11 +332,11 @@ fn search(model: &Model, state: &mut State, work: &mut Workspace, bounds: &Bound
     let mut factor = 1.0;
     for _ in 0..=HALVINGS {
         match work.reference.active {
-            false => work.try_step(model, state, bounds, factor),
-            true => work.try_settled_step(model, state, bounds, factor),
+            false => work.try_step(model, state, factor),
+            true => work.try_settled_step(model, state, factor),
         }
         let after = &work.trial_balance;
-        let change = after.potential() - before;
+        let change = after.potential() - before - loads(model, state, work, bounds, factor);
         let size = before.abs().max(after.potential().abs());
         let accepted = slope < 0.0
             && ((potential && change <= 1e-4 * factor * slope)
@@ -317,6 +349,7 @@ fn search(model: &Model, state: &mut State, work: &mut Workspace, bounds: &Bound
                 || (change.abs() <= 1e-13 * size && self::square(after) < square));
         if accepted {
             work.accept(state);
+            work.servo.took(bounds, factor);
             return Some(factor == 1.0);
         }
         factor *= 0.5;
@@ -324,6 +357,19 @@ fn search(model: &Model, state: &mut State, work: &mut Workspace, bounds: &Bound
     // The list may have been made for a trial that was refused.
     work.neighbours.refresh(model, &state.position, bounds);
     None
+}
+
+/// Work of the loads of walls on the way to the configuration on trial \[J\]. Weights have their
+/// potential against the centre of the box, which moves with its walls.
+fn loads(model: &Model, state: &State, work: &Workspace, bounds: &Bounds, factor: f64) -> f64 {
+    if !work.servo.is_active() {
+        return 0.0;
+    }
+    let after = model.start.displaced(&work.trial_displacement);
+    let moved = Vec3::from(after.center()) - Vec3::from(bounds.center());
+    let weights = model.weight.iter().zip(&state.carries).filter(|&(_, &carries)| carries);
+    let sunk: f64 = weights.map(|(weight, _)| weight.dot(&moved)).sum();
+    work.servo.work(bounds, &after, factor) + sunk
 }
 
 /// Mean over the grains of the squares of the unbalanced forces \[N²\].

@@ -200,11 +200,14 @@ impl Gate {
         std::array::from_fn(|w| match setpoint[w] {
             Control::Displacement(to) => Control::Displacement(between(self.displacement[w], to)),
             Control::Load(load) => {
-                let [low, high] = [w & !1, w | 1];
+                let pair = [w & !1, w | 1];
                 let area = self.area(w);
-                // One for both walls of a pair, since they carry the same load.
-                let carried = self.now[low].load().or(self.now[high].load());
-                let from = carried.map_or(stand.force[low], |load| load.force(area));
+                // One for both walls of a pair when both carry the load, since it is the same.
+                let carried = pair.into_iter().find_map(|w| self.now[w].load());
+                let loaded = pair.into_iter().filter(|&w| setpoint[w].load().is_some());
+                let mean =
+                    loaded.clone().map(|w| stand.force[w]).sum::<f64>() / loaded.count() as f64;
+                let from = carried.map_or(mean, |load| load.force(area));
                 Control::Load(match load {
                     Load::Force(to) => Load::Force(between(from, to)),
                     Load::Stress(to) => Load::Stress(between(from / area, to)),
