@@ -176,3 +176,6 @@ fn hand_over(command: Option<Command>, report: Report, sinks: &mut [Box<dyn Sink
         sink.served(&served);
     }
 }
+
+#[cfg(test)]
+mod tests;
