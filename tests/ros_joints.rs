@@ -8,8 +8,6 @@
 
 #[path = "common/network.rs"]
 mod network;
-#[path = "common/peer.rs"]
-mod peer;
 #[path = "common/python.rs"]
 mod python;
 
@@ -26,7 +24,7 @@ use graintwin::command::{Ask, Command};
 use graintwin::node::Node;
 use graintwin::scene::{self, Outputs};
 use graintwin::wall::WallTarget::{Displacement, Keep};
-use peer::alone_with_peer;
+use network::{Loopback, alone};
 use serde_json::json;
 
 /// Joint states in one burst; fewer than the topic keeps.
@@ -67,9 +65,12 @@ fn played(
 
 #[test]
 fn joint_states_and_trajectories_of_a_cyclone_peer_become_commands_without_a_loss() {
-    alone_with_peer(
+    // Made outside, where there may be a network to get it from.
+    let Some(python) = python::python() else { return };
+    alone(
         joint_states_and_trajectories_of_a_cyclone_peer_become_commands_without_a_loss,
-        |python| {
+        Loopback::Multicast,
+        || {
             let mut node = node(&Arc::default());
             let mut states: Vec<_> = (0..BURST)
                 .map(|k| {
@@ -85,7 +86,7 @@ fn joint_states_and_trajectories_of_a_cyclone_peer_become_commands_without_a_los
             ];
             let messages = json!({"states": states, "trajectories": trajectories});
             let count = BURST as usize + 4;
-            let intakes = played(python, &mut node, &messages, count);
+            let intakes = played(&python, &mut node, &messages, count);
             let summary = node.stop();
             println!("{summary:?}");
             assert_eq!(
