@@ -1,30 +1,39 @@
-//! Load paths: from the steps of a scene, or a command CSV, to boundary commands.
+//! Load paths: from the steps of a scene, or a command CSV, to commands.
 //!
-//! Every command is absolute: the inward displacement of each wall since the start of the run.
-//! The session is [`SESSION`], sequences count from 1. A strain step takes 1 s per increment; a
-//! file brings its own stamps, which count from the end of the step before it. Whether the walls
-//! can go where a command sends them is for the twin to say.
+//! Every command is absolute: the inward displacement of each wall since the start of the run, or
+//! the load that it carries. The session is [`SESSION`], sequences count from 1. A step takes 1 s
+//! per increment; a file brings its own stamps, which count from the end of the step before it.
+//! Whether the walls can go where a command sends them is for the twin to say.
+//!
+//! Where loads take the walls, and what walls that stood carry, only the twin knows: a [`Path`]
+//! makes the commands of a step when the step begins, from where the twin is by then.
 
 mod csv;
 mod error;
 mod rig_log;
 mod strain;
+mod targets;
 
-use std::path::Path;
+use std::collections::VecDeque;
+use std::path::{Path as FilePath, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::command::{Ask, Command, Mode, Stamp};
+use crate::report::{Demand, WallForces};
 use crate::scene::{LoadPath, MAX_COMMANDS, Step};
-use crate::wall::{self, Bounds};
+use crate::sink::{Served, Sink};
+use crate::wall::{self, Bounds, WallTarget};
 
 pub use error::PathError;
 
 /// Session of the commands of a load path.
 pub const SESSION: &str = "load_path";
 
-/// Duration of an increment of a strain step.
+/// Duration of an increment of a step.
 const INCREMENT_NANOSECONDS: i64 = 1_000_000_000;
 
-/// The commands of a scene's load path.
+/// The commands of a scene's load path, as far as they do not depend on the twin: where a load takes
+/// a wall is not known, and every stress counts as 0.
 ///
 /// `bounds` is the box at the start of the run and `folder` the one that relative files are meant
 /// from.
@@ -33,43 +42,152 @@ const INCREMENT_NANOSECONDS: i64 = 1_000_000_000;
 /// When a file cannot be read or is wrong, or the commands are more than [`MAX_COMMANDS`].
 pub fn commands(
     path: &LoadPath,
-    folder: &Path,
+    folder: &FilePath,
     bounds: &Bounds,
 ) -> Result<Vec<Command>, PathError> {
     let mut course = Course::new(*bounds);
-    follow(&path.0, folder, &mut course)?;
-    Ok(course.commands)
+    for step in flat(&path.0) {
+        follow(step, folder, &mut course)?;
+    }
+    Ok(course.commands.into())
 }
 
 /// The commands of a command CSV alone.
 ///
 /// # Errors
 /// As [`commands`].
-pub fn read_csv(file: &Path) -> Result<Vec<Command>, PathError> {
+pub fn read_csv(file: &FilePath) -> Result<Vec<Command>, PathError> {
     // Absolute displacements need no box.
     let mut course = Course::new(Bounds { min: [0.0; 3], max: [0.0; 3] });
     csv::follow(file, &mut course)?;
-    Ok(course.commands)
+    Ok(course.commands.into())
 }
 
-fn follow(steps: &[Step], folder: &Path, course: &mut Course) -> Result<(), PathError> {
-    for step in steps {
-        match step {
-            Step::Isotropic(step) => strain::isotropic(step, course)?,
-            Step::Uniaxial(step) => strain::uniaxial(step, course)?,
-            Step::Triaxial(step) => strain::triaxial(step, course)?,
-            Step::Polyaxial(step) => strain::polyaxial(step, course)?,
-            Step::Unload(step) => strain::unload(step, course)?,
-            Step::Repeat(step) => {
-                for _ in 0..step.times {
-                    follow(&step.steps, folder, course)?;
-                }
-            }
-            Step::Commands(file) => csv::follow(&folder.join(file), course)?,
-            Step::RigLog(step) => rig_log::follow(step, &folder.join(&step.file), course)?,
+/// Where the twin is, kept up to date by a [`Sink`].
+#[derive(Clone, Debug, Default)]
+pub struct Whereabouts(Arc<Mutex<Option<WallForces>>>);
+
+impl Sink for Whereabouts {
+    fn demand(&self) -> Demand {
+        Demand::default()
+    }
+
+    fn served(&mut self, served: &Arc<Served>) {
+        if let Some(measures) = &served.report.measures {
+            // Nobody can have left it half written.
+            *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(measures.walls);
         }
     }
-    Ok(())
+}
+
+/// The commands of a load path, step by step.
+#[derive(Debug)]
+pub struct Path {
+    steps: VecDeque<Step>,
+    folder: PathBuf,
+    course: Course,
+    length: usize,
+    /// Whether a wall carries a load on the way.
+    loads: bool,
+    here: Whereabouts,
+}
+
+impl Path {
+    /// The path of a scene; parameters and errors as those of [`commands`].
+    ///
+    /// # Errors
+    /// As [`commands`].
+    pub fn new(path: &LoadPath, folder: &FilePath, bounds: &Bounds) -> Result<Self, PathError> {
+        let all = commands(path, folder, bounds)?;
+        Ok(Self {
+            steps: flat(&path.0).cloned().collect(),
+            folder: folder.to_owned(),
+            course: Course::new(*bounds),
+            length: all.len(),
+            loads: all.iter().any(|command| matches!(command.ask, Ask::Targets(_))),
+            here: Whereabouts::default(),
+        })
+    }
+
+    /// Commands of the whole path.
+    #[must_use]
+    pub fn length(&self) -> usize {
+        self.length
+    }
+
+    /// What must hear every answer of the twin.
+    #[must_use]
+    pub fn whereabouts(&self) -> Whereabouts {
+        self.here.clone()
+    }
+
+    /// Whether where the twin is matters.
+    #[must_use]
+    pub fn depends_on_the_twin(&self) -> bool {
+        self.loads
+    }
+
+    /// Whether the next command can only be made once the last one has been served.
+    #[must_use]
+    pub fn waits(&self) -> bool {
+        self.loads && self.course.commands.is_empty() && !self.steps.is_empty()
+    }
+}
+
+impl From<Vec<Command>> for Path {
+    /// Commands that are all known.
+    fn from(commands: Vec<Command>) -> Self {
+        let mut course = Course::new(Bounds { min: [0.0; 3], max: [0.0; 3] });
+        let length = commands.len();
+        course.commands = commands.into();
+        let (steps, folder, here) = Default::default();
+        Self { steps, folder, course, length, loads: false, here }
+    }
+}
+
+impl Iterator for Path {
+    type Item = Result<Command, PathError>;
+
+    /// An error where a file is no longer what it was when the path was made; the path then ends.
+    fn next(&mut self) -> Option<Self::Item> {
+        while self.course.commands.is_empty() {
+            let step = self.steps.pop_front()?;
+            if let Some(here) = &*self.here.0.lock().unwrap_or_else(PoisonError::into_inner) {
+                self.course.update(here);
+            }
+            if let Err(error) = follow(&step, &self.folder, &mut self.course) {
+                self.steps.clear();
+                self.course.commands.clear();
+                return Some(Err(error));
+            }
+        }
+        self.course.commands.pop_front().map(Ok)
+    }
+}
+
+/// Steps with those of repetitions in their place.
+fn flat(steps: &[Step]) -> Box<dyn Iterator<Item = &Step> + '_> {
+    Box::new(steps.iter().flat_map(|step| match step {
+        Step::Repeat(repeat) => {
+            let times = (0..repeat.times).flat_map(|_| flat(&repeat.steps));
+            Box::new(times) as Box<dyn Iterator<Item = &Step>>
+        }
+        step => Box::new(std::iter::once(step)),
+    }))
+}
+
+fn follow(step: &Step, folder: &FilePath, course: &mut Course) -> Result<(), PathError> {
+    match step {
+        Step::Isotropic(step) => strain::isotropic(step, course),
+        Step::Uniaxial(step) => strain::uniaxial(step, course),
+        Step::Triaxial(step) => strain::triaxial(step, course),
+        Step::Polyaxial(step) => strain::polyaxial(step, course),
+        Step::Unload(step) => strain::unload(step, course),
+        Step::Walls(step) => targets::follow(step, course),
+        Step::Repeat(_) => Ok(()), // Its steps stand in its place.
+        Step::Commands(file) => csv::follow(&folder.join(file), course),
+        Step::RigLog(step) => rig_log::follow(step, &folder.join(&step.file), course),
+    }
 }
 
 /// The commands so far and where they have led.
@@ -77,16 +195,40 @@ fn follow(steps: &[Step], folder: &Path, course: &mut Course) -> Result<(), Path
 struct Course {
     /// The box at the start of the run.
     start: Bounds,
-    /// Where the last command sends the walls \[m\].
+    /// What the last command has the walls do.
+    targets: [WallTarget; wall::COUNT],
+    /// Where the walls are by then, as far as it is known \[m\].
     displacement: [f64; wall::COUNT],
+    /// Normal force on each wall when the step began \[N\]; 0 where nobody knows.
+    force: [f64; wall::COUNT],
     /// Stamp of the last command \[ns\].
     clock: i64,
-    commands: Vec<Command>,
+    /// Number of the last command.
+    sequence: u64,
+    commands: VecDeque<Command>,
 }
 
 impl Course {
     fn new(start: Bounds) -> Self {
-        Self { start, displacement: [0.0; wall::COUNT], clock: 0, commands: Vec::new() }
+        Self {
+            start,
+            targets: [WallTarget::Displacement(0.0); wall::COUNT],
+            displacement: [0.0; wall::COUNT],
+            force: [0.0; wall::COUNT],
+            clock: 0,
+            sequence: 0,
+            commands: VecDeque::new(),
+        }
+    }
+
+    /// Learns from the twin where loads took the walls, and what the others carry.
+    fn update(&mut self, here: &WallForces) {
+        for w in 0..wall::COUNT {
+            if !matches!(self.targets[w], WallTarget::Displacement(_)) {
+                self.displacement[w] = here.displacement[w];
+            }
+        }
+        self.force = here.normal_force;
     }
 
     /// The box after the last command.
@@ -94,24 +236,48 @@ impl Course {
         self.start.displaced(&self.displacement)
     }
 
-    /// Adds a command for `nanoseconds` since the start of the run.
+    /// Normal stress on wall `w` when the step began \[Pa\].
+    fn stress(&self, w: usize) -> f64 {
+        let area = self.bounds().area(w);
+        if area > 0.0 { self.force[w] / area } else { 0.0 }
+    }
+
+    /// Whether a wall carries a load.
+    fn is_loaded(&self) -> bool {
+        self.targets.iter().any(|target| !matches!(target, WallTarget::Displacement(_)))
+    }
+
+    /// Adds a command for `nanoseconds` since the start of the run; walls that it keeps do what they
+    /// did.
     fn push(
         &mut self,
         nanoseconds: i64,
-        displacement: [f64; wall::COUNT],
+        targets: [WallTarget; wall::COUNT],
     ) -> Result<(), PathError> {
-        let sequence = self.commands.len() as u64 + 1;
-        if sequence > MAX_COMMANDS {
+        self.sequence += 1;
+        if self.sequence > MAX_COMMANDS {
             return Err(PathError::TooMany);
         }
-        self.displacement = displacement;
+        let was_loaded = self.is_loaded();
+        for (w, target) in targets.into_iter().enumerate() {
+            if target != WallTarget::Keep {
+                self.targets[w] = target;
+            }
+            if let WallTarget::Displacement(displacement) = target {
+                self.displacement[w] = displacement;
+            }
+        }
         self.clock = nanoseconds;
-        self.commands.push(Command {
+        let ask = match was_loaded || self.is_loaded() {
+            true => Ask::Targets(self.targets),
+            false => Ask::Displacement(self.displacement),
+        };
+        self.commands.push_back(Command {
             stamp: stamp(nanoseconds).ok_or(PathError::TooLong)?,
             session: SESSION.into(),
-            sequence,
+            sequence: self.sequence,
             mode: Mode::Absolute,
-            ask: Ask::Displacement(displacement),
+            ask,
             age: None,
         });
         Ok(())

@@ -18,6 +18,7 @@ mod record;
 mod rig_log;
 mod solver;
 mod syntax;
+mod targets;
 mod tree;
 mod unavailable;
 mod walls;
@@ -34,7 +35,7 @@ pub use error::{Problem, SceneError};
 pub use load::{Loaded, load, parse};
 pub use load_path::{
     Axis, Isotropic, LoadPath, MAX_COMMANDS, Moving, Polyaxial, Repeat, Step, Triaxial, Uniaxial,
-    Unload,
+    Unload, WallsStep,
 };
 pub use material::Material;
 pub use node::{
@@ -45,6 +46,7 @@ pub use pack::{Generate, PackSource, Radius};
 pub use record::{Compression, Record};
 pub use rig_log::{Lateral, RigLog, StrainUnit};
 pub use solver::{Method, Solver};
+pub use targets::Targets;
 pub use walls::Walls;
 
 /// A whole scene.

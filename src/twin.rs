@@ -19,7 +19,7 @@ use crate::relax::{Effort, Outcome, Status, Workspace, accuracy, relax};
 use crate::report::{Demand, Event, EventKind, Measures, Moduli, PackState, Report};
 use crate::scene::{Method, Scene};
 use crate::state::State;
-use crate::wall::Setpoint;
+use crate::wall::{self, Setpoint, WallTarget};
 use limited::Gone;
 pub use merged::Merged;
 
@@ -59,6 +59,8 @@ pub struct Twin {
     given_history: Option<History>,
     /// The work done before the last reset.
     spent: Effort,
+    /// What the walls do from the start on.
+    targets: [WallTarget; wall::COUNT],
 }
 
 impl Twin {
@@ -95,6 +97,7 @@ impl Twin {
             stress_strain: ([0.0; 3], [0.0; 3]),
             given_history: pack.history.clone().filter(|_| model.friction.is_some()),
             spent: Effort::default(),
+            targets: scene.walls.targets.in_order(),
             model,
         })
     }
@@ -105,8 +108,9 @@ impl Twin {
         self.pool.current_num_threads()
     }
 
-    /// Relaxes the pack as it was given: increment 0. The report tells whether it was in
-    /// equilibrium; when none is found the disposition is [`Disposition::NotConverged`].
+    /// Relaxes the pack as it was given, and then with the walls as the scene has them: increment 0.
+    /// The report tells whether it was in equilibrium; when none is found the disposition is
+    /// [`Disposition::NotConverged`].
     pub fn start(&mut self, demand: Demand) -> Report {
         let given = self.state.clone();
         let Self { model, state, work, pool, .. } = self;
@@ -150,7 +154,7 @@ impl Twin {
         let Outcome { iterations, descents, .. } = outcome;
         let substeps = report.substeps;
         let jumps = std::mem::take(&mut self.work.jumps);
-        let reached = Advance {
+        let mut reached = Advance {
             outcome,
             substeps,
             iterations,
@@ -160,8 +164,38 @@ impl Twin {
             jumps,
             changes,
         };
+        if self.targets.iter().any(|target| *target != WallTarget::Keep) {
+            match self.take_targets() {
+                Ok(advance) => {
+                    report.text = join(&report.text, "the walls were brought to their targets");
+                    report.substeps += advance.substeps;
+                    reached = advance;
+                }
+                Err(text) => {
+                    self.state = given;
+                    report.disposition = Disposition::NotConverged;
+                    report.text = format!("the walls' targets of the scene: {text}");
+                    return report;
+                }
+            }
+        }
         report.measures = Some(self.measure(Stamp::default(), &reached, demand));
         report
+    }
+
+    /// Brings the walls to the targets of the scene.
+    fn take_targets(&mut self) -> Result<Advance, String> {
+        let setpoint = self.gate.begin(self.targets)?;
+        if loads_need_newton(&self.model, &setpoint) {
+            return Err(LOADS_NEED_NEWTON.into());
+        }
+        let reached = self.advance(&setpoint);
+        if !reached.outcome.status.is_equilibrium() {
+            return Err(self.explain(&reached.outcome, reached.crept));
+        }
+        self.outcome = reached.outcome;
+        self.gate.begun(setpoint, self.state.displacement);
+        Ok(reached)
     }
 
     /// Serves one command.
@@ -170,7 +204,7 @@ impl Twin {
         match self.gate.decide(command) {
             Decision::Serve(order) if loads_need_newton(&self.model, &order.setpoint) => Report {
                 disposition: Disposition::Invalid,
-                text: "walls under loads need solver.method newton".into(),
+                text: LOADS_NEED_NEWTON.into(),
                 ..report
             },
             Decision::Serve(order) => {
@@ -404,6 +438,7 @@ fn loads_need_newton(model: &Model, setpoint: &Setpoint) -> bool {
     model.solver.method != Method::Newton && setpoint.iter().any(|wall| wall.load().is_some())
 }
 
+const LOADS_NEED_NEWTON: &str = "walls under loads need solver.method newton";
 const UNJAMMED: &str = "no grain carries load";
 
 /// One sentence about a jump.

@@ -158,7 +158,8 @@ fn walls_may_be_sent_through_each_other_by_a_csv_and_the_twin_will_say_so() {
 
 #[test]
 fn a_wrong_command_csv_is_named_with_file_and_line() {
-    let walls = "allowed: stamp, x_min, x_max, y_min, y_max, z_min, z_max";
+    let walls = "allowed: stamp, x_min, x_max, y_min, y_max, z_min, z_max, each also with \
+                 :stress or :force";
     let cases: &[(&[u8], &str)] = &[
         (b"", "1: the file is empty"),
         (b"stamp,x_min\n", "1: no row follows the header"),
@@ -166,10 +167,17 @@ fn a_wrong_command_csv_is_named_with_file_and_line() {
         (b"stamp,x_min,x_min\n", "1: column `x_min` appears twice"),
         (b"stamp,top\n0,0\n", &format!("1: column `top` is unknown; {walls}")),
         (
+            b"stamp,x_min:pressure\n0,0\n",
+            &format!("1: column `x_min:pressure` is unknown; {walls}"),
+        ),
+        (b"stamp,x_min,x_min:stress\n0,0,1\n", "1: x_min has more than one column; allowed: one"),
+        (
             b"# rig\nstamp,x_min:stress\n0,0\n",
-            &format!(
-                "2: column `x_min:stress`: this version has no stress-controlled walls; {walls}"
-            ),
+            "3: column `x_min:stress`: 0.0 is no load; allowed: above 0",
+        ),
+        (
+            b"stamp,z_max:force\n0,1\n1,-2\n",
+            "3: column `z_max:force`: -2.0 is no load; allowed: above 0",
         ),
         (b"stamp,x_min\n0,0\n1\n", "3: 1 fields; allowed: 2, as in the header"),
         (b"stamp,x_min\n0,0,0\n", "2: 3 fields; allowed: 2, as in the header"),

@@ -102,9 +102,13 @@ fn the_virtual_rig_plays_its_path_over_a_plain_loopback_and_ends_the_run() {
             let stop = flag();
             let node = start(&Outputs::default(), &stop);
             let path = path(2000);
-            let rig =
-                Rig::start(&scene::Node::default(), path.clone(), node.end_of_commands(), &stop)
-                    .unwrap();
+            let rig = Rig::start(
+                &scene::Node::default(),
+                path.clone().into(),
+                node.end_of_commands(),
+                &stop,
+            )
+            .unwrap();
             let (served, summary) = serve(node, MadeUpTwin::new(100));
             let played = rig.join().unwrap();
             println!("{played:?} {summary:?}");
@@ -201,9 +205,13 @@ fn sigterm_ends_a_node_in_the_middle_of_its_work() {
         let raise = Arc::clone(&stop);
         ctrlc::set_handler(move || raise.store(true, Ordering::Relaxed)).unwrap();
         let mut node = start(&Outputs::default(), &stop);
-        let rig =
-            Rig::start(&scene::Node::default(), path(1_000_000), node.end_of_commands(), &stop)
-                .unwrap();
+        let rig = Rig::start(
+            &scene::Node::default(),
+            path(1_000_000).into(),
+            node.end_of_commands(),
+            &stop,
+        )
+        .unwrap();
         let mut sink = node.sink();
         let mut twin = MadeUpTwin::new(100);
         sink.served(&twin.start(sink.demand()));

@@ -598,8 +598,6 @@ fn what_this_version_cannot_do_is_said_so() {
                   allowed: hertz";
     let tangent = "2:19: outputs.moduli: this version computes no tangent moduli; allowed: secant, \
                    none";
-    let nested = "load_path:\n- repeat:\n    times: 1\n    steps:\n    \
-                  - rig_log: {file: a, time: t, axial_strain: e, lateral: free}";
     refused(&behind_pack(&[
         ("contact: {normal: cement}", cement),
         ("contact: {normal: {linear: {stiffness: 1}}}", cement),
@@ -608,11 +606,6 @@ fn what_this_version_cannot_do_is_said_so() {
         (
             "outputs: {markers: always}",
             "2:20: outputs.markers: this version publishes no markers; allowed: on_demand, never",
-        ),
-        (
-            nested,
-            "6:61: load_path[0].repeat.steps[0].rig_log.lateral: this version has no \
-             stress-controlled walls; allowed: constant_volume, fixed",
         ),
     ]));
 }

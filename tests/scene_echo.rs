@@ -8,10 +8,11 @@ use graintwin::scene::{
     self, Axis, Compression, Contact, Coulomb, Discovery, Fault, Friction, Generate, Isotropic,
     Joint, JointStates, JointTrajectory, Late, Lateral, Law, Limits, LoadPath, Markers, Material,
     Method, ModuliKind, Moving, Node, Normal, Outputs, PackSource, Polyaxial, Radius, Record,
-    Repeat, RigLog, Scene, Solver, Step, StrainUnit, Triaxial, Uniaxial, Unload, Update, WallName,
-    Walls, When, Zero, prepare,
+    Repeat, RigLog, Scene, Solver, Step, StrainUnit, Targets, Triaxial, Uniaxial, Unload, Update,
+    WallName, Walls, WallsStep, When, Zero, prepare,
 };
 use graintwin::wall::Bounds;
+use graintwin::wall::WallTarget;
 use proptest::option;
 use proptest::prelude::*;
 
@@ -130,6 +131,30 @@ fn strain() -> impl Strategy<Value = f64> {
     -0.999..0.999
 }
 
+/// A strain or a stress.
+fn way() -> impl Strategy<Value = (Option<f64>, Option<f64>)> {
+    prop_oneof![
+        strain().prop_map(|strain| (Some(strain), None)),
+        positive().prop_map(|stress| (None, Some(stress))),
+    ]
+}
+
+fn targets() -> impl Strategy<Value = Targets> {
+    let target = prop_oneof![
+        Just(WallTarget::Keep),
+        (-1.0..1.0).prop_map(WallTarget::Displacement),
+        positive().prop_map(WallTarget::Force),
+        positive().prop_map(WallTarget::Stress),
+    ];
+    prop::array::uniform3((target, any::<bool>())).prop_map(|pairs| {
+        let both = |(target, both): (WallTarget, bool)| {
+            [target, if both { target } else { WallTarget::Keep }]
+        };
+        let [x, y, z] = pairs.map(both);
+        Targets::from([x[0], x[1], y[0], y[1], z[0], z[1]])
+    })
+}
+
 fn axis() -> impl Strategy<Value = Axis> {
     prop::sample::select(vec![Axis::X, Axis::Y, Axis::Z])
 }
@@ -141,7 +166,8 @@ fn moving() -> impl Strategy<Value = Moving> {
 fn rig_log() -> impl Strategy<Value = RigLog> {
     let unit =
         prop::sample::select(vec![StrainUnit::Ratio, StrainUnit::Percent, StrainUnit::Microstrain]);
-    let lateral = prop::sample::select(vec![Lateral::ConstantVolume, Lateral::Fixed]);
+    let lateral =
+        prop::sample::select(vec![Lateral::ConstantVolume, Lateral::Fixed, Lateral::Free]);
     (word(), word(), unit, lateral, axis()).prop_map(|(file, time, unit, lateral, axis)| RigLog {
         file: file.into(),
         axial_strain: format!("{time} strain"),
@@ -155,24 +181,36 @@ fn rig_log() -> impl Strategy<Value = RigLog> {
 fn step() -> impl Strategy<Value = Step> {
     let count = 1..1000_u32;
     let leaf = prop_oneof![
-        (strain(), count.clone(), moving()).prop_map(|(strain, increments, moving)| {
-            Step::Isotropic(Isotropic { strain, increments, moving })
+        (way(), count.clone(), moving()).prop_map(|((strain, stress), increments, moving)| {
+            Step::Isotropic(Isotropic { strain, stress, increments, moving })
         }),
-        (axis(), strain(), count.clone(), moving()).prop_map(
-            |(axis, strain, increments, moving)| {
-                Step::Uniaxial(Uniaxial { axis, strain, increments, moving })
+        (axis(), way(), count.clone(), moving()).prop_map(
+            |(axis, (strain, stress), increments, moving)| {
+                Step::Uniaxial(Uniaxial { axis, strain, stress, increments, moving })
             }
         ),
-        (axis(), strain(), strain(), count.clone(), moving()).prop_map(
-            |(axis, axial_strain, lateral_strain, increments, moving)| {
-                Step::Triaxial(Triaxial { axis, axial_strain, lateral_strain, increments, moving })
+        (axis(), way(), way(), count.clone(), moving()).prop_map(
+            |(axis, axial, lateral, increments, moving)| {
+                Step::Triaxial(Triaxial {
+                    axis,
+                    axial_strain: axial.0,
+                    axial_stress: axial.1,
+                    lateral_strain: lateral.0,
+                    lateral_stress: lateral.1,
+                    increments,
+                    moving,
+                })
             }
         ),
-        (prop::array::uniform3(strain()), count.clone(), moving()).prop_map(
-            |(strain, increments, moving)| {
-                Step::Polyaxial(Polyaxial { strain, increments, moving })
+        (prop::array::uniform3(strain()), any::<bool>(), count.clone(), moving()).prop_map(
+            |(values, strains, increments, moving)| {
+                let strain = strains.then_some(values);
+                let stress = (!strains).then(|| values.map(|value| 1e6 * (1.0 + value)));
+                Step::Polyaxial(Polyaxial { strain, stress, increments, moving })
             }
         ),
+        (targets(), count.clone())
+            .prop_map(|(targets, increments)| { Step::Walls(WallsStep { targets, increments }) }),
         (0.0..0.999, count).prop_map(|(to, increments)| Step::Unload(Unload { to, increments })),
         word().prop_map(|file| Step::Commands(file.into())),
         rig_log().prop_map(Step::RigLog),
@@ -268,8 +306,9 @@ fn service() -> impl Strategy<Value = (Outputs, Node, Record)> {
 
 fn scene() -> impl Strategy<Value = Scene> {
     let materials = prop::collection::btree_map(word(), material(), 0..3);
-    let walls = (positive(), -0.999..0.499, option::of(coefficient()))
-        .prop_map(|(young, poisson, friction)| Walls { young, poisson, friction });
+    let walls = (positive(), -0.999..0.499, option::of(coefficient()), targets()).prop_map(
+        |(young, poisson, friction, targets)| Walls { young, poisson, friction, targets },
+    );
     let contact = (friction(), any::<bool>()).prop_map(|(friction, torsion)| Contact {
         normal: Normal::Hertz,
         friction,

@@ -6,6 +6,7 @@ mod table;
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
@@ -14,8 +15,14 @@ use indicatif::{MultiProgress, ProgressBar};
 use serde::Serialize;
 
 use graintwin::bench::{self, Job, NoReference, Reference, Row, Timing};
-use graintwin::scene::Loaded;
-use graintwin::{path, view};
+use graintwin::command::Command;
+use graintwin::pack::Pack;
+use graintwin::path::Path as LoadPath;
+use graintwin::report::{Demand, Report};
+use graintwin::scene::{Loaded, Scene};
+use graintwin::sink::{Served, Sink};
+use graintwin::twin::Twin;
+use graintwin::view;
 
 use super::progress::waiting;
 use super::{Cli, Failure, Outcome, output, specimen, stop};
@@ -85,8 +92,8 @@ pub(super) fn run(args: &Args, cli: &Cli, bars: &MultiProgress) -> Result<Outcom
     }
     let threads = cli.threads.map_or(1, usize::from);
     let pack = specimen::build(&loaded, threads, bars)?.pack;
-    let mut commands = path::commands(&loaded.scene.load_path, loaded.folder(), &pack.bounds)?;
-    commands.truncate(args.increments as usize);
+    let path = LoadPath::new(&loaded.scene.load_path, loaded.folder(), &pack.bounds)?;
+    let commands = walked(path, args.increments as usize, &loaded.scene, &pack, threads)?;
     if commands.is_empty() {
         return Err(Failure::Input(anyhow!(
             "{}: load_path has no increment; needed: at least one to walk",
@@ -122,6 +129,34 @@ pub(super) fn run(args: &Args, cli: &Cli, bars: &MultiProgress) -> Result<Outcom
     }
     output::print(&if args.json { json } else { table::write(&measured) })?;
     Ok(if measured.whole { Outcome::Done } else { Outcome::Incomplete })
+}
+
+/// The first `most` commands of `path` as a twin of the scene meets them.
+fn walked(
+    path: LoadPath,
+    most: usize,
+    scene: &Scene,
+    pack: &Pack,
+    threads: usize,
+) -> Result<Vec<Command>, Failure> {
+    let mut here = path.whereabouts();
+    let mut twin = Twin::new(scene, pack, threads)?;
+    let depends = path.depends_on_the_twin();
+    let mut hear = |command: Option<Command>, report: Report| {
+        here.served(&Arc::new(Served { command, report }));
+    };
+    if depends {
+        hear(None, twin.start(Demand::default()));
+    }
+    let mut commands = Vec::new();
+    for command in path.take(most) {
+        let command = command?;
+        if depends {
+            hear(Some(command.clone()), twin.apply(&command, Demand::default()));
+        }
+        commands.push(command);
+    }
+    Ok(commands)
 }
 
 /// The rows, and whether these are all.

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use graintwin::command::Command;
 use graintwin::node::rig::{Played, Rig, RigError};
 use graintwin::node::{self, Node};
+use graintwin::path::Path;
 use graintwin::scene::Scene;
 use graintwin::sink::Sink;
 
@@ -25,17 +25,17 @@ pub(super) struct Linked {
 }
 
 impl Link {
-    /// Starts the node; a rig plays `commands` to it when the scene has one or when they were
+    /// Starts the node; a rig plays `path` to it when the scene has one or when its commands were
     /// `given` by name.
     pub(super) fn start(
         scene: &Scene,
-        commands: Vec<Command>,
+        path: Path,
         given: bool,
         stop: &Arc<AtomicBool>,
     ) -> Result<Self, Failure> {
         let node = Node::start(&scene.node, &scene.outputs, stop).map_err(Failure::other)?;
         let plays = scene.node.virtual_rig || given;
-        if !plays && !commands.is_empty() {
+        if !plays && path.length() > 0 {
             tracing::warn!(
                 "commands come from the topic, not from load_path: node.virtual_rig plays it there"
             );
@@ -43,8 +43,8 @@ impl Link {
         let rig = match plays {
             false => None,
             true => {
-                let count = commands.len();
-                let rig = Rig::start(&scene.node, commands, node.end_of_commands(), stop);
+                let count = path.length();
+                let rig = Rig::start(&scene.node, path, node.end_of_commands(), stop);
                 Some((rig.map_err(Failure::other)?, count))
             }
         };

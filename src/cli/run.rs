@@ -1,13 +1,15 @@
 //! `graintwin run`
 
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 use indicatif::MultiProgress;
 
 use graintwin::command::Command;
+use graintwin::command::request::Intake;
 #[cfg(feature = "mcap")]
 use graintwin::pack::Pack;
-use graintwin::path;
+use graintwin::path::{self, Path as LoadPath, PathError};
 #[cfg(feature = "mcap")]
 use graintwin::scene::Loaded;
 use graintwin::sink::Sink;
@@ -33,7 +35,8 @@ use super::{Cli, Failure, Outcome, output, serve, specimen, stop};
     graintwin run launch_configs/rig_log.yaml --ros --record bags/rig_log\n\n\
     A command CSV has the header stamp,x_min,x_max,y_min,y_max,z_min,z_max: the time in s and the \
     inward displacement of each wall since the start of the run in m. A column left out leaves its \
-    wall where it is; # starts a comment.")]
+    wall where it is; x_min:stress (Pa) or x_min:force (N) puts the wall under a load instead; \
+    # starts a comment.")]
 pub(super) struct Args {
     /// The scene, YAML.
     scene: PathBuf,
@@ -64,24 +67,31 @@ pub(super) fn run(args: &Args, cli: &Cli, bars: &MultiProgress) -> Result<Outcom
     args.record.as_deref().map(recording::reserve).transpose()?;
     let specimen = specimen::build(&loaded, cli.threads(), bars)?;
     let pack = &specimen.pack;
-    let commands = match &given {
-        Some(commands) => commands.clone(),
-        None => path::commands(&loaded.scene.load_path, loaded.folder(), &pack.bounds)?,
+    #[cfg(feature = "ros")]
+    let plays = given.is_some();
+    let path = match given {
+        Some(commands) => LoadPath::from(commands),
+        None => LoadPath::new(&loaded.scene.load_path, loaded.folder(), &pack.bounds)?,
     };
+    let whereabouts = path.whereabouts();
+    let broken = Broken::default();
     let mut twin = Twin::new(&loaded.scene, pack, cli.threads())?;
     let mut summary = Summary::new(&loaded, &specimen);
     let stop = stop::on_signal()?;
-    tracing::info!("{} commands for {} grains", commands.len(), pack.grains.len());
+    tracing::info!("{} commands for {} grains", path.length(), pack.grains.len());
     #[cfg(feature = "mcap")]
     let mut recording = start_recording(args, &loaded, pack, twin.threads())?;
 
     #[cfg(feature = "ros")]
-    let mut link = match args.ros {
-        true => Some(Link::start(&loaded.scene, commands.clone(), given.is_some(), &stop)?),
-        false => None,
+    let (mut link, path) = match args.ros {
+        true => (Some(Link::start(&loaded.scene, path, plays, &stop)?), None),
+        false => (None, Some(path)),
     };
+    #[cfg(not(feature = "ros"))]
+    let path = Some(path);
     let served = {
-        let mut sinks: Vec<Box<dyn Sink + '_>> = Vec::new();
+        // Who makes the next command must have heard of the last one first.
+        let mut sinks: Vec<Box<dyn Sink + '_>> = vec![Box::new(whereabouts)];
         #[cfg(feature = "ros")]
         let (mut source, length) = match &mut link {
             Some(link) => {
@@ -89,10 +99,10 @@ pub(super) fn run(args: &Args, cli: &Cli, bars: &MultiProgress) -> Result<Outcom
                 let length = link.length();
                 (link.commands(), length)
             }
-            None => from_file(commands),
+            None => from_path(path, &broken),
         };
         #[cfg(not(feature = "ros"))]
-        let (mut source, length) = from_file(commands);
+        let (mut source, length) = from_path(path, &broken);
         #[cfg(feature = "mcap")]
         sinks.extend(recording.as_mut().map(|recording| Box::new(recording) as Box<dyn Sink>));
         sinks.push(Box::new(&mut summary));
@@ -109,15 +119,28 @@ pub(super) fn run(args: &Args, cli: &Cli, bars: &MultiProgress) -> Result<Outcom
         summary.recorded(recording.finish());
     }
     served?;
+    if let Some(error) = broken.into_inner() {
+        return Err(error.into());
+    }
     summary.histograms(twin.coordination());
     output::print(&if args.json { summary.json()? } else { summary.table() })?;
     Ok(if summary.complete() { Outcome::Done } else { Outcome::Incomplete })
 }
 
-/// Commands that are all known, and how many there are.
-fn from_file<'a>(commands: Vec<Command>) -> (Box<dyn Source + 'a>, Option<usize>) {
-    let length = Some(commands.len());
-    (Box::new(Given::new(commands)), length)
+/// Why the path ended before its end.
+type Broken = RefCell<Option<PathError>>;
+
+/// The commands of a path, and how many there are.
+fn from_path(path: Option<LoadPath>, broken: &Broken) -> (Box<dyn Source + '_>, Option<usize>) {
+    let length = path.as_ref().map(LoadPath::length);
+    let commands = path.into_iter().flatten().map_while(|command| match command {
+        Ok(command) => Some(Intake::from(command)),
+        Err(error) => {
+            broken.replace(Some(error));
+            None
+        }
+    });
+    (Box::new(Given(commands)), length)
 }
 
 #[cfg(feature = "mcap")]

@@ -1,9 +1,7 @@
 //! Where commands and requests come from.
 
 use std::collections::VecDeque;
-use std::vec;
 
-use graintwin::command::Command;
 use graintwin::command::request::Intake;
 
 /// Somebody who hands over what comes to the twin.
@@ -15,18 +13,12 @@ pub(super) trait Source {
     fn overtake(&mut self, waiting: &mut VecDeque<Intake>, most: usize);
 }
 
-/// Commands from a file. They have time: none is behind.
-pub(super) struct Given(vec::IntoIter<Command>);
+/// What is there from the beginning, as in a file. It has time: nothing waits.
+pub(super) struct Given<I>(pub(super) I);
 
-impl Given {
-    pub(super) fn new(commands: Vec<Command>) -> Self {
-        Self(commands.into_iter())
-    }
-}
-
-impl Source for Given {
+impl<I: Iterator<Item = Intake>> Source for Given<I> {
     fn next(&mut self) -> Option<Intake> {
-        self.0.next().map(Intake::from)
+        self.0.next()
     }
 
     fn overtake(&mut self, _: &mut VecDeque<Intake>, _: usize) {}

@@ -4,10 +4,10 @@
 mod limits;
 mod setpoint;
 
-use crate::command::{Command, Disposition, Mode, Stamp};
+use crate::command::{Ask, Command, Disposition, Mode, Stamp};
 use crate::report::Report;
 use crate::scene::{self, Fault, Limits};
-use crate::wall::{self, Bounds, Setpoint};
+use crate::wall::{self, Bounds, Setpoint, WallTarget};
 
 pub use limits::Stand;
 
@@ -149,10 +149,24 @@ impl Gate {
                 text = format!("{missing} commands missing before it");
             }
         }
-        match self.setpoint(command) {
+        match self.setpoint(&command.ask, command.mode) {
             Ok(setpoint) => self.limit(command, setpoint, text),
             Err(text) => refuse(Disposition::Invalid, text),
         }
+    }
+
+    /// What walls at the start do that are given `targets`, or what is wrong with them.
+    ///
+    /// # Errors
+    /// When a target is none, or the walls of a pair ask for different loads.
+    pub fn begin(&self, targets: [WallTarget; wall::COUNT]) -> Result<Setpoint, String> {
+        self.setpoint(&Ask::Targets(targets), Mode::Absolute)
+    }
+
+    /// The walls do `setpoint` from now on and are at `displacement` \[m\].
+    pub fn begun(&mut self, setpoint: Setpoint, displacement: [f64; wall::COUNT]) {
+        self.now = setpoint;
+        self.displacement = displacement;
     }
 
     /// Holds `setpoint` against the limits.

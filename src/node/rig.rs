@@ -1,7 +1,9 @@
 //! A rig inside the program: it plays a load path to the node over DDS, as a rig outside would.
 //!
 //! It has a participant and a node of its own, `/virtual_rig`, and knows of the twin only what
-//! comes over the network, so that one program on one machine shows the whole path.
+//! comes over the network, so that one program on one machine shows the whole path. Where loads
+//! took the walls, which a step of the path begins from, it knows from the path's own
+//! [`Whereabouts`](crate::path::Whereabouts).
 
 use std::mem::discriminant;
 use std::pin::pin;
@@ -20,6 +22,7 @@ use super::{EndOfCommands, NodeError, SPINNER_END, create, participant, spin};
 use crate::command::Command;
 use crate::msg::convert::CommandMessage;
 use crate::msg::{BoundaryCommand, Report, WallTargets, topics};
+use crate::path::{Path, PathError};
 use crate::scene;
 
 /// Name of the rig's node.
@@ -49,6 +52,9 @@ pub enum RigError {
     /// A report could not be read.
     #[error("the virtual rig got a report that it cannot read: {0}")]
     Report(String),
+    /// The path could not be gone on with.
+    #[error(transparent)]
+    Path(PathError),
     /// A bug.
     #[error("the virtual rig's thread panicked")]
     Panicked,
@@ -84,7 +90,7 @@ impl Rig {
     /// When the domain is out of range or the middleware refuses something.
     pub fn start(
         options: &scene::Node,
-        path: Vec<Command>,
+        path: Path,
         end: EndOfCommands,
         stop: &Arc<AtomicBool>,
     ) -> Result<Self, NodeError> {
@@ -156,12 +162,7 @@ impl Link {
         Ok(Self { commands, reports, node, spinner, context })
     }
 
-    fn play(
-        self,
-        runtime: &Runtime,
-        path: Vec<Command>,
-        stop: &AtomicBool,
-    ) -> Result<Played, RigError> {
+    fn play(self, runtime: &Runtime, path: Path, stop: &AtomicBool) -> Result<Played, RigError> {
         let Self { commands, reports, node, spinner, context } = self;
         let played = runtime.block_on(async {
             let spinner = tokio::spawn(spin(spinner));
@@ -210,24 +211,27 @@ struct InFlight {
 async fn exchange(
     commands: &Commands,
     reports: &Subscription<Report>,
-    path: Vec<Command>,
+    path: Path,
     stop: &AtomicBool,
 ) -> Result<Played, RigError> {
-    let Some(first) = path.first() else { return Ok(Played::default()) };
-    let mut topic = discriminant(&first.ask);
-    let mut path = path.into_iter().peekable();
+    let mut path = path;
+    let mut next = None;
+    let mut topic = None;
     let mut in_flight: Vec<InFlight> = Vec::with_capacity(IN_FLIGHT);
     let mut round_trips = Vec::new();
     let mut sent = 0;
     let mut reports = pin!(reports.async_stream());
     while !stop.load(Ordering::Relaxed) {
-        while in_flight.len() < IN_FLIGHT
-            && let Some(command) = path.peek()
+        while in_flight.len() < IN_FLIGHT {
+            if next.is_none() && (in_flight.is_empty() || !path.waits()) {
+                next = path.next().transpose().map_err(RigError::Path)?;
+            }
             // What goes over two topics could overtake.
-            && (in_flight.is_empty() || discriminant(&command.ask) == topic)
-            && let Some(command) = path.next()
-        {
-            topic = discriminant(&command.ask);
+            let same = |command: &Command| topic == Some(discriminant(&command.ask));
+            let Some(command) = next.take_if(|next| in_flight.is_empty() || same(next)) else {
+                break;
+            };
+            topic = Some(discriminant(&command.ask));
             let start = Instant::now();
             if !commands.publish(&command).await {
                 return Err(RigError::CommandLost { sequence: command.sequence });

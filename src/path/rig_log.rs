@@ -7,7 +7,8 @@
 //! L/L0 = 1/sqrt(1 - ε)
 //! ```
 //!
-//! so that (1 - ε) (L/L0)² = 1 whatever ε is; the usual lateral strain of -ε/2 is its first term.
+//! so that (1 - ε) (L/L0)² = 1 whatever ε is; the usual lateral strain of -ε/2 is its first term. With
+//! `lateral: free` the lateral walls carry the mean stress that each pair has when the log begins.
 
 use std::path::Path;
 
@@ -15,7 +16,7 @@ use super::csv::Clock;
 use super::{Course, PathError};
 use crate::scene::{Lateral, RigLog, StrainUnit};
 use crate::table::Table;
-use crate::wall;
+use crate::wall::{self, WallTarget};
 
 /// Adds one command per row of `file`, which `step` describes.
 pub(super) fn follow(step: &RigLog, file: &Path, course: &mut Course) -> Result<(), PathError> {
@@ -28,6 +29,9 @@ pub(super) fn follow(step: &RigLog, file: &Path, course: &mut Course) -> Result<
         StrainUnit::Microstrain => 1e6,
     };
     let (from, sides) = (course.displacement, course.bounds().sides());
+    let held = std::array::from_fn::<_, 3, _>(|axis| {
+        WallTarget::Stress(0.5 * (course.stress(2 * axis) + course.stress(2 * axis + 1)))
+    });
 
     let mut clock = Clock::new(course.clock);
     let mut empty = true;
@@ -41,14 +45,18 @@ pub(super) fn follow(step: &RigLog, file: &Path, course: &mut Course) -> Result<
         }
         let lateral = match step.lateral {
             Lateral::ConstantVolume => lateral_at_constant_volume(axial),
-            Lateral::Fixed => 0.0,
+            Lateral::Fixed | Lateral::Free => 0.0,
         };
-        let displacement = std::array::from_fn(|wall| {
+        let targets = std::array::from_fn(|wall| {
             let axis = wall::axis(wall);
-            let strain = if axis == step.axis.index() { axial } else { lateral };
-            from[wall] + 0.5 * strain * sides[axis]
+            let is_axial = axis == step.axis.index();
+            if !is_axial && step.lateral == Lateral::Free {
+                return held[axis];
+            }
+            let strain = if is_axial { axial } else { lateral };
+            WallTarget::Displacement(from[wall] + 0.5 * strain * sides[axis])
         });
-        course.push(nanoseconds, displacement)?;
+        course.push(nanoseconds, targets)?;
         empty = false;
     }
     if empty {

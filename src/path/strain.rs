@@ -1,61 +1,72 @@
-//! Strain steps: equal parts of a displacement of the walls.
+//! Strain and stress steps: equal parts of the way of the walls.
 
-use super::{Course, INCREMENT_NANOSECONDS, PathError};
+use super::targets::in_parts;
+use super::{Course, PathError};
 use crate::scene::{Isotropic, Moving, Polyaxial, Triaxial, Uniaxial, Unload};
-use crate::wall;
+use crate::wall::{self, WallTarget};
+
+/// What a step does along one axis.
+#[derive(Clone, Copy)]
+enum Way {
+    /// Strains it, of the box at the step's start.
+    Strain(f64),
+    /// Ends at this stress \[Pa\].
+    Stress(f64),
+}
+
+impl Way {
+    /// Of a checked step, which has one of the two.
+    fn new(strain: Option<f64>, stress: Option<f64>) -> Self {
+        stress.map_or(Self::Strain(strain.unwrap_or(0.0)), Self::Stress)
+    }
+}
 
 pub(super) fn isotropic(step: &Isotropic, course: &mut Course) -> Result<(), PathError> {
-    by_strain([step.strain; 3], step.moving, step.increments, course)
+    go([Way::new(step.strain, step.stress); 3], step.moving, step.increments, course)
 }
 
 pub(super) fn uniaxial(step: &Uniaxial, course: &mut Course) -> Result<(), PathError> {
-    let mut strain = [0.0; 3];
-    strain[step.axis.index()] = step.strain;
-    by_strain(strain, step.moving, step.increments, course)
+    let mut ways = [Way::Strain(0.0); 3];
+    ways[step.axis.index()] = Way::new(step.strain, step.stress);
+    go(ways, step.moving, step.increments, course)
 }
 
 pub(super) fn triaxial(step: &Triaxial, course: &mut Course) -> Result<(), PathError> {
-    let mut strain = [step.lateral_strain; 3];
-    strain[step.axis.index()] = step.axial_strain;
-    by_strain(strain, step.moving, step.increments, course)
+    let mut ways = [Way::new(step.lateral_strain, step.lateral_stress); 3];
+    ways[step.axis.index()] = Way::new(step.axial_strain, step.axial_stress);
+    go(ways, step.moving, step.increments, course)
 }
 
 pub(super) fn polyaxial(step: &Polyaxial, course: &mut Course) -> Result<(), PathError> {
-    by_strain(step.strain, step.moving, step.increments, course)
+    let way = |axis: usize| {
+        Way::new(step.strain.map(|strain| strain[axis]), step.stress.map(|stress| stress[axis]))
+    };
+    go(std::array::from_fn(way), step.moving, step.increments, course)
 }
 
 pub(super) fn unload(step: &Unload, course: &mut Course) -> Result<(), PathError> {
-    let change = course.displacement.map(|now| (step.to - 1.0) * now);
-    in_parts(change, step.increments, course)
+    let ends = course.displacement.map(|now| WallTarget::Displacement(now + (step.to - 1.0) * now));
+    in_parts(ends, step.increments, course)
 }
 
-/// Strains of x, y, z, of the box at the step's start.
-fn by_strain(
-    strain: [f64; 3],
+fn go(
+    ways: [Way; 3],
     moving: Moving,
     increments: u32,
     course: &mut Course,
 ) -> Result<(), PathError> {
     let sides = course.bounds().sides();
     let shares = moving.shares();
-    let change = std::array::from_fn(|wall| {
-        let axis = wall::axis(wall);
-        shares[wall % 2] * strain[axis] * sides[axis]
+    let ends = std::array::from_fn(|w| {
+        let axis = wall::axis(w);
+        let share = shares[w % 2];
+        match ways[axis] {
+            Way::Stress(stress) if share > 0.0 => WallTarget::Stress(stress),
+            Way::Stress(_) => WallTarget::Displacement(course.displacement[w]),
+            Way::Strain(strain) => {
+                WallTarget::Displacement(course.displacement[w] + share * strain * sides[axis])
+            }
+        }
     });
-    in_parts(change, increments, course)
-}
-
-fn in_parts(
-    change: [f64; wall::COUNT],
-    increments: u32,
-    course: &mut Course,
-) -> Result<(), PathError> {
-    let from = course.displacement;
-    for increment in 1..=increments {
-        // From the step's start each time, so that rounding does not add up.
-        let share = f64::from(increment) / f64::from(increments);
-        let displacement = std::array::from_fn(|wall| from[wall] + share * change[wall]);
-        course.push(course.clock + INCREMENT_NANOSECONDS, displacement)?;
-    }
-    Ok(())
+    in_parts(ends, increments, course)
 }

@@ -7,8 +7,8 @@ use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::RigLog;
 use super::check::{Field, Problems};
+use super::{RigLog, Targets};
 
 /// Most commands that a load path may have, files included.
 pub const MAX_COMMANDS: u64 = 1_000_000;
@@ -45,6 +45,7 @@ fn commands(steps: &[Step]) -> u64 {
         Step::Triaxial(step) => u64::from(step.increments),
         Step::Polyaxial(step) => u64::from(step.increments),
         Step::Unload(step) => u64::from(step.increments),
+        Step::Walls(step) => u64::from(step.increments),
         Step::Repeat(step) => u64::from(step.times).saturating_mul(commands(&step.steps)),
         Step::Commands(_) | Step::RigLog(_) => 0,
     };
@@ -82,19 +83,23 @@ impl<'de> Visitor<'de> for Steps {
 }
 
 /// One step of a load path. Strains are of the box at the step's start, compression positive.
+/// Stresses go in equal parts from what they are at the step's start; walls that a step gives
+/// neither strain nor stress stay.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Step {
-    /// The same strain along all axes; negative expands.
+    /// The same strain or stress along all axes; a negative strain expands.
     Isotropic(Isotropic),
-    /// Strain along one axis, the other walls fixed.
+    /// Strain or stress along one axis, the other walls fixed: an oedometer.
     Uniaxial(Uniaxial),
-    /// Axial strain and two equal lateral ones.
+    /// Axial strain or stress and two equal lateral strains or stresses.
     Triaxial(Triaxial),
-    /// Three strains.
+    /// Three strains or three stresses.
     Polyaxial(Polyaxial),
     /// Back towards the walls' positions at the start of the run.
     Unload(Unload),
+    /// A target of each wall.
+    Walls(WallsStep),
     /// Steps several times over.
     Repeat(Repeat),
     /// A command CSV, relative to the scene file.
@@ -108,24 +113,32 @@ impl Step {
         match self {
             Self::Isotropic(step) => {
                 let at = at.key("isotropic");
-                check_strain(at.key("strain"), step.strain, problems);
+                check_one(&at, ["strain", "stress"], [step.strain, step.stress], problems);
                 check_increments(&at, step.increments, problems);
             }
             Self::Uniaxial(step) => {
                 let at = at.key("uniaxial");
-                check_strain(at.key("strain"), step.strain, problems);
+                check_one(&at, ["strain", "stress"], [step.strain, step.stress], problems);
                 check_increments(&at, step.increments, problems);
             }
             Self::Triaxial(step) => {
                 let at = at.key("triaxial");
-                check_strain(at.key("axial_strain"), step.axial_strain, problems);
-                check_strain(at.key("lateral_strain"), step.lateral_strain, problems);
+                let axial = [step.axial_strain, step.axial_stress];
+                check_one(&at, ["axial_strain", "axial_stress"], axial, problems);
+                let lateral = [step.lateral_strain, step.lateral_stress];
+                check_one(&at, ["lateral_strain", "lateral_stress"], lateral, problems);
                 check_increments(&at, step.increments, problems);
             }
             Self::Polyaxial(step) => {
                 let at = at.key("polyaxial");
-                for (axis, &strain) in step.strain.iter().enumerate() {
+                if step.strain.is_some() == step.stress.is_some() {
+                    problems.add(at.clone(), one_of(["strain", "stress"]));
+                }
+                for (axis, &strain) in step.strain.iter().flatten().enumerate() {
                     check_strain(at.key("strain").index(axis), strain, problems);
+                }
+                for (axis, &stress) in step.stress.iter().flatten().enumerate() {
+                    problems.positive(at.key("stress").index(axis), stress, "stress > 0 Pa");
                 }
                 check_increments(&at, step.increments, problems);
             }
@@ -133,6 +146,11 @@ impl Step {
                 let at = at.key("unload");
                 problems
                     .number(at.key("to"), step.to, "0 <= to < 1", |to| (0.0..1.0).contains(&to));
+                check_increments(&at, step.increments, problems);
+            }
+            Self::Walls(step) => {
+                let at = at.key("walls");
+                step.targets.check(&at.key("targets"), problems);
                 check_increments(&at, step.increments, problems);
             }
             Self::Repeat(step) => {
@@ -144,6 +162,19 @@ impl Step {
             Self::RigLog(step) => step.check(&at.key("rig_log"), problems),
         }
     }
+}
+
+/// One of a strain and a stress.
+fn check_one(at: &Field, names: [&str; 2], values: [Option<f64>; 2], problems: &mut Problems) {
+    match values {
+        [Some(strain), None] => check_strain(at.key(names[0]), strain, problems),
+        [None, Some(stress)] => problems.positive(at.key(names[1]), stress, "stress > 0 Pa"),
+        _ => problems.add(at.clone(), one_of(names)),
+    }
+}
+
+fn one_of([one, other]: [&str; 2]) -> String {
+    format!("needs {one} or {other}; allowed: one of the two")
 }
 
 /// At a strain of 1 the walls of a pair meet.
@@ -206,10 +237,14 @@ impl Axis {
 #[serde(deny_unknown_fields)]
 pub struct Isotropic {
     /// Strain of each axis over the step, between -1 and 1.
-    pub strain: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub strain: Option<f64>,
+    /// Stress of each axis at the step's end, above 0 \[Pa\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stress: Option<f64>,
     /// Equal parts, at least 1.
     pub increments: u32,
-    /// Walls that move.
+    /// Walls that move, or that carry the stress.
     #[serde(default)]
     pub moving: Moving,
 }
@@ -222,10 +257,14 @@ pub struct Uniaxial {
     #[serde(default)]
     pub axis: Axis,
     /// Strain over the step, between -1 and 1.
-    pub strain: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub strain: Option<f64>,
+    /// Stress at the step's end, above 0 \[Pa\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stress: Option<f64>,
     /// Equal parts, at least 1.
     pub increments: u32,
-    /// Walls that move.
+    /// Walls that move, or that carry the stress.
     #[serde(default)]
     pub moving: Moving,
 }
@@ -238,12 +277,20 @@ pub struct Triaxial {
     #[serde(default)]
     pub axis: Axis,
     /// Axial strain over the step, between -1 and 1.
-    pub axial_strain: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub axial_strain: Option<f64>,
+    /// Axial stress at the step's end, above 0 \[Pa\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub axial_stress: Option<f64>,
     /// Strain of the other two axes; T's uniaxial stress is -0.25 of the axial one.
-    pub lateral_strain: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lateral_strain: Option<f64>,
+    /// Stress of the other two axes at the step's end, above 0 \[Pa\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lateral_stress: Option<f64>,
     /// Equal parts, at least 1.
     pub increments: u32,
-    /// Walls that move.
+    /// Walls that move, or that carry the stress.
     #[serde(default)]
     pub moving: Moving,
 }
@@ -253,10 +300,14 @@ pub struct Triaxial {
 #[serde(deny_unknown_fields)]
 pub struct Polyaxial {
     /// Strains of x, y, z over the step, between -1 and 1.
-    pub strain: [f64; 3],
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub strain: Option<[f64; 3]>,
+    /// Stresses of x, y, z at the step's end, above 0 \[Pa\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stress: Option<[f64; 3]>,
     /// Equal parts, at least 1.
     pub increments: u32,
-    /// Walls that move.
+    /// Walls that move, or that carry the stress.
     #[serde(default)]
     pub moving: Moving,
 }
@@ -268,6 +319,16 @@ pub struct Unload {
     /// Share of the walls' displacement that remains: 0 is all the way back.
     #[serde(default)]
     pub to: f64,
+    /// Equal parts, at least 1.
+    pub increments: u32,
+}
+
+/// See [`Step::Walls`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WallsStep {
+    /// What each wall does at the step's end; one that is not named does what it did.
+    pub targets: Targets,
     /// Equal parts, at least 1.
     pub increments: u32,
 }

@@ -61,4 +61,6 @@ pub enum Lateral {
     ConstantVolume,
     /// They stay.
     Fixed,
+    /// They carry the stress that they have when the log begins: drained.
+    Free,
 }

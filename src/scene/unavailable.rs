@@ -30,11 +30,6 @@ const TABLE: &[Row] = &[
         text: "this version has no cemented and no linear contacts; allowed: hertz",
     },
     Row {
-        keys: &["rig_log", "lateral"],
-        value: Value::Words(&["free"]),
-        text: "this version has no stress-controlled walls; allowed: constant_volume, fixed",
-    },
-    Row {
         keys: &["outputs", "moduli"],
         value: Value::Words(&["tangent", "both"]),
         text: "this version computes no tangent moduli; allowed: secant, none",

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::Targets;
 use super::check::{Field, Problems};
 
 /// The elastic walls; T 2.7.1 takes 100 times the grains' modulus.
@@ -16,11 +17,15 @@ pub struct Walls {
     /// `contact.friction`. Without friction in `contact` the walls are smooth too.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<f64>,
+    /// What the walls do from the initial equilibrium on; those that are not named stand where the
+    /// pack has them.
+    #[serde(skip_serializing_if = "Targets::is_empty")]
+    pub targets: Targets,
 }
 
 impl Default for Walls {
     fn default() -> Self {
-        Self { young: 7.0e12, poisson: 0.495, friction: None }
+        Self { young: 7.0e12, poisson: 0.495, friction: None, targets: Targets::default() }
     }
 }
 
@@ -32,5 +37,6 @@ impl Walls {
         if let Some(friction) = self.friction {
             problems.at_least_zero(at.key("friction"), friction, "friction >= 0, .inf included");
         }
+        self.targets.check(&at.key("targets"), problems);
     }
 }

@@ -87,7 +87,8 @@ impl Twin {
         self.gate.beyond_limits(setpoint, before, &now)
     }
 
-    fn advance(&mut self, setpoint: &Setpoint) -> Advance {
+    /// Moves the walls as `setpoint` has them.
+    pub(super) fn advance(&mut self, setpoint: &Setpoint) -> Advance {
         let here = self.outcome;
         let Self { model, state, work, pool, .. } = self;
         pool.install(|| advance(model, state, work, setpoint, here))

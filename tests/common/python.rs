@@ -6,8 +6,17 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// The peers; exact versions, so that a new release cannot break an old test.
-const PACKAGES: [&str; 4] =
-    ["mcap==1.6.0", "mcap-ros2-support==0.6.0", "rosbags==0.11.9", "cyclonedds==11.0.1"];
+const PACKAGES: [&str; 9] = [
+    "mcap==1.6.0",
+    "mcap-ros2-support==0.6.0",
+    "rosbags==0.11.9",
+    "cyclonedds==11.0.1",
+    "catkin_pkg==1.1.1",
+    "colcon-ros==0.5.0",
+    "colcon-package-information==0.4.1",
+    "colcon-recursive-crawl==0.2.3",
+    "colcon-cargo==0.2.0",
+];
 
 /// Set to 1 to go without the tests that need Python.
 const SKIP: &str = "GRAINTWIN_SKIP_PYTHON";
@@ -76,7 +85,7 @@ fn must(command: &mut Command) {
     let status = command.status();
     assert!(
         status.as_ref().is_ok_and(std::process::ExitStatus::success),
-        "{command:?}: {status:?}\nThe tests read recordings with Python packages ({}): they need \
+        "{command:?}: {status:?}\nThe tests talk to Python packages ({}): they need \
          python3 with venv, and a package index. {SKIP}=1 leaves those tests out.",
         PACKAGES.join(", ")
     );

@@ -21,14 +21,14 @@ pub(super) fn malformed(command: &Command) -> Option<String> {
 }
 
 impl Gate {
-    /// What `command` makes the walls do, or what is wrong with it.
-    pub(super) fn setpoint(&self, command: &Command) -> Result<Setpoint, String> {
-        let targets = command.ask.targets();
+    /// What the walls do when they are asked so, or what is wrong with it.
+    pub(super) fn setpoint(&self, ask: &Ask, mode: Mode) -> Result<Setpoint, String> {
+        let targets = ask.targets();
         let mut setpoint = self.now;
         for (w, target) in targets.into_iter().enumerate() {
-            let keeps = matches!(command.ask, Ask::Displacement(_)) && self.now[w].load().is_some();
+            let keeps = matches!(ask, Ask::Displacement(_)) && self.now[w].load().is_some();
             if !keeps {
-                setpoint[w] = self.control(w, target, command.mode)?;
+                setpoint[w] = self.control(w, target, mode)?;
             }
         }
         for axis in 0..3 {
