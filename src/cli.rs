@@ -17,6 +17,7 @@ mod recording;
 mod ros;
 mod run;
 mod serve;
+mod source;
 mod specimen;
 mod stop;
 mod summary;

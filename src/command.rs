@@ -1,6 +1,8 @@
 //! What a rig asks of the twin, and what became of it.
 
 pub mod gate;
+pub mod map;
+pub mod merge;
 pub mod request;
 
 use serde::{Deserialize, Serialize};
@@ -23,6 +25,14 @@ impl Stamp {
         let nanos = (seconds * 1e9).round() as i64;
         let sec = nanos.div_euclid(1_000_000_000).clamp(i64::from(i32::MIN), i64::from(i32::MAX));
         Self { sec: sec as i32, nanosec: nanos.rem_euclid(1_000_000_000) as u32 }
+    }
+
+    /// The stamp `nanoseconds` later, unless the type does not reach that far.
+    #[must_use]
+    pub fn later(self, nanoseconds: i64) -> Option<Self> {
+        let nanoseconds = self.nanoseconds().checked_add(nanoseconds)?;
+        let sec = i32::try_from(nanoseconds.div_euclid(1_000_000_000)).ok()?;
+        Some(Self { sec, nanosec: nanoseconds.rem_euclid(1_000_000_000) as u32 })
     }
 
     /// Seconds since zero.

@@ -25,6 +25,9 @@ pub use graintwin::{
     WallTargets,
 };
 pub use schema::{Described, MessageType};
-pub use standard::{Clock, Header, JointState, Time, Vector3, Wrench, WrenchStamped};
+pub use standard::{
+    Clock, Duration, Header, JointState, JointTrajectory, JointTrajectoryPoint, Time, Vector3,
+    Wrench, WrenchStamped,
+};
 pub use topics::Topic;
 pub use transforms::{Quaternion, TFMessage, Transform, TransformStamped};

@@ -66,12 +66,13 @@ use tokio::sync::{mpsc, oneshot};
 use tokio::task::JoinHandle;
 use tokio::time::{sleep, timeout};
 
+use commands::{Age, Intakes};
 pub use commands::{Commands, EndOfCommands};
 use counters::Counters;
 pub use counters::Summary;
 use diagnostics::Watched;
 use discrepancy::{Comparison, Recorder};
-use endpoints::{Endpoints, Subscriptions};
+use endpoints::{Endpoints, Sources, Subscriptions};
 pub use names::Identity;
 pub use outbox::NodeSink;
 use outbox::{Item, Outbox};
@@ -79,7 +80,9 @@ use parameters::Parameters;
 
 use rosout::{Records, Rosout};
 
+use crate::command::map::{JointStateMap, TrajectoryMap};
 use crate::command::request::Intake;
+use crate::msg::{JointState, JointTrajectory};
 use crate::scene::{self, Outputs};
 use crate::sink::Recording;
 
@@ -221,26 +224,18 @@ impl Node {
 
         let spinner = runtime.spawn(spin(spinner));
         let (commands_in, commands_out) = mpsc::channel(commands::WAITING);
-        let Subscriptions { commands, targets, cells, clock: times, services } = subscriptions;
         let simulated = match &parameters {
             Some((_, store)) => store.use_sim_time(),
             None => Arc::new(options.use_sim_time.into()),
         };
         let clock = Clock::new(simulated);
-        let mut tasks = Vec::new();
-        tasks.push(runtime.spawn(clock::follow(times, clock.clone())));
-        tasks.extend(services.start(&runtime, &commands_in, &counters));
         let waiting = commands_in.downgrade();
-        let (queue, count) = (commands_in.clone(), Arc::clone(&counters));
-        let receiving = [
-            runtime.spawn(commands::receive(commands, queue, count, clock.clone())),
-            runtime.spawn(commands::receive(
-                targets,
-                commands_in,
-                Arc::clone(&counters),
-                clock.clone(),
-            )),
-        ];
+        let intake =
+            Intakes { queue: commands_in, counters: Arc::clone(&counters), clock: clock.clone() };
+        let Subscriptions { sources, cells, clock: times, services } = subscriptions;
+        let mut tasks = vec![runtime.spawn(clock::follow(times, clock.clone()))];
+        tasks.extend(services.start(&runtime, &intake.queue, &counters));
+        let receiving = receive(&runtime, sources, options, intake);
         let end_of_commands =
             EndOfCommands(receiving.iter().map(JoinHandle::abort_handle).collect());
         let stopping = runtime.spawn(end_when_stopped(Arc::clone(stop), end_of_commands.clone()));
@@ -376,6 +371,35 @@ impl Node {
         }
         summary
     }
+}
+
+/// Starts a task for each topic that commands come from.
+fn receive(
+    runtime: &Runtime,
+    sources: Sources,
+    options: &scene::Node,
+    intake: Intakes,
+) -> Vec<JoinHandle<()>> {
+    let Sources { commands, targets, joint_states, joint_trajectory } = sources;
+    let mut tasks = vec![
+        runtime.spawn(intake.clone().receive(commands, commands::of_ours)),
+        runtime.spawn(intake.clone().receive(targets, commands::of_ours)),
+    ];
+    if let (Some(subscription), Some(map)) = (joint_states, &options.joint_states) {
+        let mut map = JointStateMap::new(map);
+        let read = move |message: JointState, age: &Age<'_>| {
+            [map.intake(&message, age(message.header.stamp.into()))]
+        };
+        tasks.push(runtime.spawn(intake.clone().receive(subscription, read)));
+    }
+    if let (Some(subscription), Some(map)) = (joint_trajectory, &options.joint_trajectory) {
+        let mut map = TrajectoryMap::new(map);
+        let read = move |message: JointTrajectory, age: &Age<'_>| {
+            map.intakes(&message, age(message.header.stamp.into()))
+        };
+        tasks.push(runtime.spawn(intake.receive(subscription, read)));
+    }
+    tasks
 }
 
 /// A node of `context`, and the background task it needs.

@@ -38,7 +38,8 @@ pub struct Report {
     pub substeps: u32,
     /// One sentence for a person; empty when there is nothing to say.
     pub text: String,
-    /// The new state as measured; `None` when the walls did not move.
+    /// The new state as measured; `None` when the walls did not move, and for a command that was
+    /// merged into a later one.
     pub measures: Option<Measures>,
 }
 

@@ -40,7 +40,10 @@ pub use load_path::{
 };
 pub use material::Material;
 pub use measured_wrench::MeasuredWrench;
-pub use node::{Discovery, Node, ServiceMapping};
+pub use node::{
+    Discovery, Fault, Joint, JointStates, JointTrajectory, Late, Limits, Node, ServiceMapping,
+    WallName, Zero,
+};
 pub use outputs::{Markers, ModuliKind, Outputs, When};
 pub use pack::{Generate, PackSource, Radius};
 pub use record::{Compression, Record};

@@ -1,21 +1,28 @@
 //! The one door: [`Twin::apply`] takes a command and returns a report.
 
+mod limited;
+mod merged;
+mod requests;
+
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::command::gate::{Decision, Gate};
+use crate::command::gate::{Decision, Gate, Order, join};
 use crate::command::{Command, Disposition, Stamp};
 use crate::measure::contacts::Contacts;
 use crate::measure::coordination::{self, Histograms};
 use crate::measure::{moduli, network, porosity, stress, walls};
 use crate::model::{Model, sphere_volume};
-use crate::pack::{Grain, Pack};
-use crate::relax::advance::{Advance, advance};
+use crate::pack::{Grain, History, Pack};
+use crate::relax::advance::Advance;
 use crate::relax::jump::Jump;
 use crate::relax::{Effort, Outcome, Status, Workspace, accuracy, relax};
 use crate::report::{Demand, Event, EventKind, Measures, Moduli, PackState, Report};
 use crate::scene::{Method, Scene};
 use crate::state::State;
 use crate::wall::{self, Setpoint, WallTarget};
+use limited::Gone;
+pub use merged::Merged;
+pub use requests::Settings;
 
 /// Why a twin could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -49,6 +56,10 @@ pub struct Twin {
     outcome: Outcome,
     /// Normal stress \[Pa\] and engineering strain at the last equilibrium.
     stress_strain: ([f64; 3], [f64; 3]),
+    /// The history of the pack as it was given.
+    given_history: Option<History>,
+    /// The work done before the last reset.
+    spent: Effort,
     /// What the walls do from the start on.
     targets: [WallTarget; wall::COUNT],
 }
@@ -80,11 +91,13 @@ impl Twin {
         Ok(Self {
             state,
             work: Workspace::new(&model),
-            gate: Gate::new(pack.bounds, scene.node.stale_after),
+            gate: Gate::new(pack.bounds, &scene.node),
             pool,
             increment: 0,
             outcome: Outcome::NONE,
             stress_strain: ([0.0; 3], [0.0; 3]),
+            given_history: pack.history.clone().filter(|_| model.friction.is_some()),
+            spent: Effort::default(),
             targets: scene.walls.targets.in_order(),
             model,
         })
@@ -177,9 +190,7 @@ impl Twin {
         if loads_need_newton(&self.model, &setpoint) {
             return Err(LOADS_NEED_NEWTON.into());
         }
-        let here = self.outcome;
-        let Self { model, state, work, pool, .. } = self;
-        let reached = pool.install(|| advance(model, state, work, &setpoint, here));
+        let reached = self.advance(&setpoint);
         if !reached.outcome.status.is_equilibrium() {
             return Err(self.explain(&reached.outcome, reached.crept));
         }
@@ -190,7 +201,31 @@ impl Twin {
 
     /// Serves one command.
     pub fn apply(&mut self, command: &Command, demand: Demand) -> Report {
-        let mut report = Report {
+        let report = self.blank(command);
+        match self.gate.decide(command) {
+            Decision::Serve(order) if loads_need_newton(&self.model, &order.setpoint) => Report {
+                disposition: Disposition::Invalid,
+                text: LOADS_NEED_NEWTON.into(),
+                ..report
+            },
+            Decision::Serve(order) => {
+                let gone = self.go(&order, self.gate.limits().clamp);
+                self.conclude(command, order, gone, demand)
+            }
+            Decision::Repeat => self.repeat(report),
+            Decision::Refuse(disposition, text) => {
+                let report = Report { disposition, text, ..report };
+                if disposition == Disposition::Limit {
+                    self.gate.served(command, None, self.state.displacement, &report);
+                }
+                report
+            }
+        }
+    }
+
+    /// The report of a command of which nothing is known yet.
+    fn blank(&self, command: &Command) -> Report {
+        Report {
             stamp: command.stamp,
             session: command.session.clone(),
             sequence: command.sequence,
@@ -199,40 +234,35 @@ impl Twin {
             substeps: 0,
             text: String::new(),
             measures: None,
-        };
-        let setpoint = match self.gate.decide(command) {
-            Decision::Serve(setpoint, text) => {
-                report.text = text;
-                setpoint
-            }
-            Decision::Repeat => return self.repeat(report),
-            Decision::Refuse(disposition, text) => {
-                if disposition == Disposition::Limit {
-                    self.gate.served(command, None, self.state.displacement, &report);
-                }
-                return Report { disposition, text, ..report };
-            }
-        };
-        if loads_need_newton(&self.model, &setpoint) {
-            return Report {
-                disposition: Disposition::Invalid,
-                text: LOADS_NEED_NEWTON.into(),
-                ..report
-            };
         }
-        let here = self.outcome;
-        let Self { model, state, work, pool, .. } = self;
-        let reached = pool.install(|| advance(model, state, work, &setpoint, here));
-        report.substeps = reached.substeps;
-        if !reached.outcome.status.is_equilibrium() {
-            report.disposition = Disposition::NotConverged;
-            report.text = self.explain(&reached.outcome, reached.crept);
+    }
+
+    /// Counts and reports where the walls went for a command that the gate let through.
+    fn conclude(&mut self, command: &Command, order: Order, gone: Gone, demand: Demand) -> Report {
+        let Gone { reached, setpoint, beyond, clamped } = gone;
+        let mut report = Report { substeps: reached.substeps, ..self.blank(command) };
+        let refused = match &beyond {
+            _ if !reached.outcome.status.is_equilibrium() => {
+                Some((Disposition::NotConverged, self.explain(&reached.outcome, reached.crept)))
+            }
+            Some(beyond) if !clamped => Some((Disposition::Limit, beyond.clone())),
+            _ => None,
+        };
+        if let Some((disposition, text)) = refused {
+            (report.disposition, report.text) = (disposition, text);
             self.gate.served(command, None, self.state.displacement, &report);
             return report;
         }
         self.outcome = reached.outcome;
         self.increment += 1;
         report.increment = self.increment;
+        report.text = order.text;
+        if clamped || order.clamped {
+            report.disposition = Disposition::Clamped;
+        }
+        if let Some(beyond) = beyond {
+            report.text = join(&report.text, &format!("as far as allowed: {beyond}"));
+        }
         if reached.outcome.status == Status::Unjammed {
             report.text = join(&report.text, UNJAMMED);
         }
@@ -366,7 +396,11 @@ impl Twin {
     /// The work done since the start.
     #[must_use]
     pub fn effort(&self) -> Effort {
-        self.work.effort()
+        let Effort { gradients, products } = self.work.effort();
+        Effort {
+            gradients: self.spent.gradients + gradients,
+            products: self.spent.products + products,
+        }
     }
 
     /// Memory that state and scratch hold \[bytes\].
@@ -407,13 +441,6 @@ fn loads_need_newton(model: &Model, setpoint: &Setpoint) -> bool {
 
 const LOADS_NEED_NEWTON: &str = "walls under loads need solver.method newton";
 const UNJAMMED: &str = "no grain carries load";
-
-fn join(first: &str, second: &str) -> String {
-    match (first, second) {
-        ("", only) | (only, "") => only.into(),
-        (first, second) => format!("{first}; {second}"),
-    }
-}
 
 /// One sentence about a jump.
 fn tell(jump: &Jump) -> String {

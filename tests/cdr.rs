@@ -12,9 +12,9 @@ use std::path::Path;
 use graintwin::msg::cdr::{self, CdrError};
 use graintwin::msg::{
     BoundaryCommand, Clock, ContactNetwork, Described, DiagnosticArray, DiagnosticStatus,
-    Discrepancy, Event, Header, JointState, KeyValue, Moduli, PackState, Quaternion, Report,
-    TFMessage, Time, Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench,
-    WrenchStamped,
+    Discrepancy, Duration, Event, Header, JointState, JointTrajectory, JointTrajectoryPoint,
+    KeyValue, Moduli, PackState, Quaternion, Report, TFMessage, Time, Transform, TransformStamped,
+    Vector3, WallForces, WallTargets, Wrench, WrenchStamped,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -125,6 +125,20 @@ fn event() -> Event {
         stress_after: 1.0,
         grains: vec![5, 6, 7],
         displacement: vec![1e-3],
+    }
+}
+
+fn joint_trajectory() -> JointTrajectory {
+    let point = |sec, positions: &[f64]| JointTrajectoryPoint {
+        positions: positions.into(),
+        velocities: vec![0.5],
+        time_from_start: Duration { sec, nanosec: 7 },
+        ..JointTrajectoryPoint::default()
+    };
+    JointTrajectory {
+        header: header("rig"),
+        joint_names: vec!["top".into(), String::new()],
+        points: vec![point(1, &[0.1, -0.2]), point(-2, &[]), point(i32::MAX, &[1e-3])],
     }
 }
 
@@ -244,6 +258,8 @@ fn bytes_hashes_and_definitions_are_those_of_an_independent_implementation() {
     exchange.add(Event::default());
     exchange.add(joint_state());
     exchange.add(JointState::default());
+    exchange.add(joint_trajectory());
+    exchange.add(JointTrajectory::default());
     let wrench = Wrench { force: vector(1.0), torque: vector(2.0) };
     exchange.add(WrenchStamped { header: header("wall_x_min"), wrench });
     exchange.add(wrench);

@@ -13,9 +13,9 @@ use graintwin::msg::convert::{self, CommandMessage, LIVE_CHUNK};
 use graintwin::msg::services::{SavePack, Service, SetBool, Trigger};
 use graintwin::msg::{
     BoundaryCommand, Clock, ContactNetwork, Described, DiagnosticArray, DiagnosticStatus,
-    Discrepancy, Event, Header, JointState, KeyValue, Moduli, PackState, Quaternion, Report,
-    TFMessage, Time, Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench,
-    WrenchStamped, topics,
+    Discrepancy, Duration, Event, Header, JointState, JointTrajectory, JointTrajectoryPoint,
+    KeyValue, Moduli, PackState, Quaternion, Report, TFMessage, Time, Transform, TransformStamped,
+    Vector3, WallForces, WallTargets, Wrench, WrenchStamped, topics,
 };
 use graintwin::report::{self, ContactState, Measures};
 use graintwin::wall::{self, WallTarget};
@@ -86,6 +86,9 @@ fn every_struct_has_the_fields_of_its_text() {
     assert_same_fields::<Wrench>();
     assert_same_fields::<WrenchStamped>();
     assert_same_fields::<JointState>();
+    assert_same_fields::<Duration>();
+    assert_same_fields::<JointTrajectoryPoint>();
+    assert_same_fields::<JointTrajectory>();
     assert_same_fields::<Discrepancy>();
     assert_same_fields::<Clock>();
     assert_same_fields::<KeyValue>();

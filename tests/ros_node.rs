@@ -44,7 +44,7 @@ use peer::alone_with_peer;
 fn commands(node: &mut Node) -> impl Iterator<Item = Command> {
     node.commands().map(|intake| match intake {
         Intake::Command(command) => command,
-        Intake::Request(asked) => panic!("{asked:?}"),
+        other => panic!("{other:?}"),
     })
 }
 

@@ -75,6 +75,7 @@ impl Running {
                         sink.served(served.last().unwrap());
                         commands.push(command);
                     }
+                    Intake::Malformed(command, text) => panic!("{command:?}: {text}"),
                     Intake::Request(asked) => {
                         requests.push(asked.request.clone());
                         let said = nearly_all(&asked.request);
@@ -279,7 +280,7 @@ fn answers_that_come_in_another_order_than_the_requests_find_their_askers() {
                     .commands()
                     .filter_map(|intake| match intake {
                         Intake::Request(asked) => Some(asked),
-                        Intake::Command(_) => None,
+                        Intake::Command(_) | Intake::Malformed(..) => None,
                     })
                     .take(2)
                     .collect();

@@ -5,8 +5,8 @@ use std::fs;
 use std::path::Path;
 
 use graintwin::scene::{
-    self, Coulomb, Discovery, Friction, Lateral, Law, Scene, SceneError, Step, StrainUnit, Update,
-    When, prepare,
+    self, Coulomb, Discovery, Fault, Friction, Joint, Late, Lateral, Law, Limits, Scene,
+    SceneError, Step, StrainUnit, Update, WallName, When, Zero, prepare,
 };
 
 fn parse(text: &str) -> Result<Scene, SceneError> {
@@ -500,6 +500,69 @@ fn values_out_of_range_are_named_with_line_column_field_and_what_is_allowed() {
 }
 
 #[test]
+fn wrong_limits_and_joints_are_named_with_what_is_allowed() {
+    refused(&behind_pack(&[
+        (
+            "node: {limits: {travel: -1}}",
+            "2:25: node.limits.travel: -1.0 is outside travel >= 0 m, 0 = no limit",
+        ),
+        ("node: {limits: {force: .nan}}", "2:24: node.limits.force: NaN is not a finite number"),
+        ("node: {limits: {speed: 1}}", "2:17: node.limits.speed: unknown field `speed`"),
+        ("node: {hold_after: [gap]}", "2:21: node.hold_after[0]: unknown variant `gap`"),
+        ("node: {late: drop}", "2:14: node.late: unknown variant `drop`, expected one of every"),
+        ("node: {joint_states: {}}", "2:22: node.joint_states: missing field `joints`"),
+        (
+            "node: {joint_states: {joints: {}}}",
+            "2:31: node.joint_states.joints: no joint moves a wall; allowed: at least one",
+        ),
+        (
+            "node: {joint_states: {joints: {a: {wall: top}}}}",
+            "2:42: node.joint_states.joints.a.wall: unknown variant `top`, expected one of x_min",
+        ),
+        (
+            "node: {joint_states: {joints: {a: {wall: z_max}, b: {wall: z_max}}}}",
+            "2:60: node.joint_states.joints.b.wall: `a` moves z_max already; allowed: one joint a",
+        ),
+        (
+            "node: {joint_states: {joints: {a: {wall: z_max, sign: 2}}}}",
+            "2:55: node.joint_states.joints.a.sign: 2.0 is outside 1 and -1",
+        ),
+        (
+            "node: {joint_states: {joints: {a: {wall: z_max, gear: 0}}}}",
+            "2:55: node.joint_states.joints.a.gear: 0.0 is outside gear > 0 m a unit of the joint",
+        ),
+        (
+            "node: {joint_states: {joints: {a: {wall: z_max, zero: last}}}}",
+            "2:49: node.joint_states.joints.a.zero: unknown variant `last`, expected one of a number",
+        ),
+        (
+            "node: {joint_trajectory: {joints: {a: {wall: z_max, zero: first}}}}",
+            "2:59: node.joint_trajectory.joints.a.zero: `first` is for node.joint_states; allowed",
+        ),
+    ]));
+}
+
+#[test]
+fn limits_and_joints_are_read() {
+    let text = "pack: {file: a.csv}\nnode:\n  limits: {travel: 1e-3, force: 10, clamp: true}\n  \
+                hold_after: [not_converged, limit]\n  late: merge\n  joint_states:\n    joints:\n      \
+                top: {wall: z_max, sign: -1, zero: first, gear: 2.0e-3}\n      \
+                side: {wall: x_min, zero: 5}\n";
+    let node = scene::parse(text, Path::new("scene.yaml")).unwrap().node;
+    let limits = Limits { travel: 1e-3, force: 10.0, clamp: true, ..Limits::default() };
+    assert_eq!(node.limits, limits);
+    assert_eq!(
+        (node.hold_after, node.late),
+        (vec![Fault::NotConverged, Fault::Limit], Late::Merge)
+    );
+    let joints = node.joint_states.unwrap().joints;
+    let top = Joint { wall: WallName::ZMax, sign: -1.0, zero: Zero::First, gear: 2e-3 };
+    let side = Joint { wall: WallName::XMin, sign: 1.0, zero: Zero::At(5.0), gear: 1.0 };
+    assert_eq!((joints["top"], joints["side"]), (top, side));
+    assert_eq!([WallName::XMin.index(), WallName::ZMax.index()], [0, 5]);
+}
+
+#[test]
 fn wrong_load_paths_are_named_with_their_step() {
     refused(&behind_pack(&[
         (
@@ -567,10 +630,6 @@ fn what_this_version_cannot_do_is_said_so() {
         (
             "outputs: {markers: always}",
             "2:20: outputs.markers: this version publishes no markers; allowed: on_demand, never",
-        ),
-        (
-            "node: {joint_states: {}}",
-            "2:22: node.joint_states: this version takes commands from ~/boundary_command only",
         ),
     ]));
 }

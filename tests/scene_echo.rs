@@ -5,10 +5,11 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use graintwin::scene::{
-    self, Axis, Compression, Contact, Coulomb, Discovery, Friction, Generate, Isotropic, Lateral,
-    Law, LoadPath, Markers, Material, MeasuredWrench, Method, ModuliKind, Moving, Node, Normal,
-    Outputs, PackSource, Polyaxial, Radius, Record, Repeat, RigLog, Scene, ServiceMapping, Solver,
-    Step, StrainUnit, Targets, Triaxial, Uniaxial, Unload, Update, Walls, WallsStep, When, prepare,
+    self, Axis, Compression, Contact, Coulomb, Discovery, Fault, Friction, Generate, Isotropic,
+    Joint, JointStates, JointTrajectory, Late, Lateral, Law, Limits, LoadPath, Markers, Material,
+    MeasuredWrench, Method, ModuliKind, Moving, Node, Normal, Outputs, PackSource, Polyaxial,
+    Radius, Record, Repeat, RigLog, Scene, ServiceMapping, Solver, Step, StrainUnit, Targets,
+    Triaxial, Uniaxial, Unload, Update, WallName, Walls, WallsStep, When, Zero, prepare,
 };
 use graintwin::wall::Bounds;
 use graintwin::wall::WallTarget;
@@ -241,16 +242,34 @@ fn solver() -> impl Strategy<Value = Solver> {
     )
 }
 
-fn service() -> impl Strategy<Value = (Outputs, Node, Record)> {
-    let when = prop::sample::select(vec![When::Always, When::OnDemand, When::Never]);
-    let markers = prop::sample::select(vec![Markers::OnDemand, Markers::Never]);
-    let moduli = prop::sample::select(vec![ModuliKind::Secant, ModuliKind::None]);
-    let outputs = (when, markers, moduli).prop_map(|(contact_network, markers, moduli)| Outputs {
-        contact_network,
-        markers,
-        moduli,
-    });
+/// Joints, each with a wall of its own.
+fn joints() -> impl Strategy<Value = BTreeMap<String, Joint>> {
+    use WallName::{XMax, XMin, YMax, YMin, ZMax, ZMin};
+    let walls = prop::sample::subsequence(vec![XMin, XMax, YMin, YMax, ZMin, ZMax], 1..=6);
+    (walls, word(), prop::sample::select(vec![1.0, -1.0]), positive(), -1e3..1e3).prop_map(
+        |(walls, name, sign, gear, zero)| {
+            let joint = |wall| Joint { wall, sign, gear, zero: Zero::At(zero) };
+            walls.into_iter().map(|wall| (format!("{name}{wall:?}"), joint(wall))).collect()
+        },
+    )
+}
+
+fn limits() -> impl Strategy<Value = Limits> {
+    (prop::array::uniform4(prop_oneof![Just(0.0), positive()]), any::<bool>()).prop_map(
+        |([travel, rate, strain, force], clamp)| Limits { travel, rate, strain, force, clamp },
+    )
+}
+
+fn node() -> impl Strategy<Value = Node> {
     let reach = prop::sample::select(vec![Discovery::Localhost, Discovery::Subnet]);
+    let faults = prop::sample::subsequence(vec![Fault::NotConverged, Fault::Limit], 0..=2);
+    let late = prop::sample::select(vec![Late::Every, Late::Merge]);
+    let states = (word(), joints(), any::<bool>()).prop_map(|(session, mut joints, first)| {
+        joints.values_mut().filter(|_| first).for_each(|joint| joint.zero = Zero::First);
+        JointStates { session, joints }
+    });
+    let trajectory =
+        (word(), joints()).prop_map(|(session, joints)| JointTrajectory { session, joints });
     let mapping = prop::sample::select(vec![
         ServiceMapping::Auto,
         ServiceMapping::Enhanced,
@@ -260,22 +279,43 @@ fn service() -> impl Strategy<Value = (Outputs, Node, Record)> {
         (any::<[bool; 6]>(), any::<bool>(), 0.0..10.0).prop_map(|(walls, positive, max_delay)| {
             MeasuredWrench { walls, sign: if positive { 1.0 } else { -1.0 }, max_delay }
         });
-    let switches = (any::<bool>(), any::<bool>());
-    let node = (reach, 0..=232_u16, 0.0..1e6, switches, mapping, cells).prop_map(
-        |(discovery, domain_id, stale_after, switches, service_mapping, measured_wrench)| Node {
-            discovery,
-            domain_id,
-            stale_after,
-            virtual_rig: switches.0,
-            use_sim_time: switches.1,
-            service_mapping,
-            measured_wrench,
+    let switches = (any::<bool>(), any::<bool>(), mapping, cells);
+    let rest = (faults, late, option::of(states), option::of(trajectory));
+    (reach, 0..=232_u16, 0.0..1e6, switches, limits(), rest).prop_map(
+        |(discovery, domain_id, stale_after, switches, limits, rest)| {
+            let (hold_after, late, joint_states, joint_trajectory) = rest;
+            let (virtual_rig, use_sim_time, service_mapping, measured_wrench) = switches;
+            Node {
+                discovery,
+                domain_id,
+                stale_after,
+                limits,
+                hold_after,
+                late,
+                joint_states,
+                joint_trajectory,
+                virtual_rig,
+                service_mapping,
+                use_sim_time,
+                measured_wrench,
+            }
         },
-    );
+    )
+}
+
+fn service() -> impl Strategy<Value = (Outputs, Node, Record)> {
+    let when = prop::sample::select(vec![When::Always, When::OnDemand, When::Never]);
+    let markers = prop::sample::select(vec![Markers::OnDemand, Markers::Never]);
+    let moduli = prop::sample::select(vec![ModuliKind::Secant, ModuliKind::None]);
+    let outputs = (when, markers, moduli).prop_map(|(contact_network, markers, moduli)| Outputs {
+        contact_network,
+        markers,
+        moduli,
+    });
     let kind = prop::sample::select(vec![Compression::Zstd, Compression::Lz4, Compression::None]);
     let record = ((1_u64 << 20)..=(1 << 30), kind)
         .prop_map(|(chunk, compression)| Record { chunk, compression });
-    (outputs, node, record)
+    (outputs, node(), record)
 }
 
 fn scene() -> impl Strategy<Value = Scene> {

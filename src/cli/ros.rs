@@ -1,24 +1,53 @@
 //! `run --ros`: the node, and the rig inside the program when it has one.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use graintwin::command::request::Intake;
 use graintwin::node::args::{RosArgs, Severity};
-use graintwin::node::parameters::{Parameters, overrides};
+use graintwin::node::parameters::{Changes, Parameters, overrides};
 use graintwin::node::rig::{Played, Rig, RigError};
 use graintwin::node::rosout::Records;
 use graintwin::node::{self, Identity, Node, Setup};
 use graintwin::path::Path;
-use graintwin::scene::Scene;
+use graintwin::scene::{Late, Scene};
 use graintwin::sink::Sink;
+use graintwin::twin::Settings;
 
+use super::source::Source;
 use super::{Cli, Failure};
 
 /// The node and whoever plays to it.
 pub(super) struct Link {
     node: Node,
     rig: Option<(Rig, usize)>,
+    changes: Option<Changes>,
+}
+
+/// The commands of the node, and the changes of its parameters.
+struct FromNode<'a> {
+    commands: &'a mut node::Commands,
+    changes: Option<&'a Changes>,
+}
+
+impl Source for FromNode<'_> {
+    fn next(&mut self) -> Option<Intake> {
+        self.commands.next()
+    }
+
+    fn changed(&mut self) -> Option<(Settings, Late)> {
+        let live = self.changes?.take()?;
+        Some((live.settings(), live.late()))
+    }
+
+    fn overtake(&mut self, waiting: &mut VecDeque<Intake>, most: usize) {
+        while waiting.len() < most
+            && let Some(intake) = self.commands.next_waiting()
+        {
+            waiting.push_back(intake);
+        }
+    }
 }
 
 /// What the node and the rig did.
@@ -38,6 +67,7 @@ impl Link {
         stop: &Arc<AtomicBool>,
     ) -> Result<Self, Failure> {
         let twin = setup.identity.clone();
+        let changes = setup.parameters.as_ref().map(Parameters::changes);
         let node = Node::start(&scene.node, setup, &scene.outputs, stop).map_err(Failure::other)?;
         let plays = scene.node.virtual_rig || given;
         if !plays && path.length() > 0 {
@@ -53,7 +83,7 @@ impl Link {
                 Some((rig.map_err(Failure::other)?, count))
             }
         };
-        Ok(Self { node, rig })
+        Ok(Self { node, rig, changes })
     }
 
     /// Starts the diagnostics; the `recording` gets what the solver does not see.
@@ -74,8 +104,9 @@ impl Link {
         self.rig.as_ref().map(|(_, count)| *count)
     }
 
-    pub(super) fn commands(&mut self) -> Box<dyn Iterator<Item = Intake> + '_> {
-        Box::new(self.node.commands())
+    pub(super) fn commands(&mut self) -> Box<dyn Source + '_> {
+        let Self { node, changes, .. } = self;
+        Box::new(FromNode { commands: node.commands(), changes: changes.as_ref() })
     }
 
     /// Leaves the domain, the node after the rig.

@@ -21,6 +21,7 @@ use super::progress::Progress;
 use super::recording::{self, Recording};
 #[cfg(feature = "ros")]
 use super::ros::{self, Link};
+use super::source::{Given, Source};
 use super::summary::Summary;
 use super::{Cli, Failure, Outcome, output, serve, specimen, stop};
 
@@ -115,7 +116,7 @@ pub(super) fn run(
         // Who makes the next command must have heard of the last one first.
         let mut sinks: Vec<Box<dyn Sink + '_>> = vec![Box::new(whereabouts)];
         #[cfg(feature = "ros")]
-        let (source, length) = match &mut link {
+        let (mut source, length) = match &mut link {
             Some(link) => {
                 sinks.push(link.sink());
                 let length = link.length();
@@ -124,12 +125,13 @@ pub(super) fn run(
             None => from_path(path, &broken),
         };
         #[cfg(not(feature = "ros"))]
-        let (source, length) = from_path(path, &broken);
+        let (mut source, length) = from_path(path, &broken);
         #[cfg(feature = "mcap")]
         sinks.extend(recording.as_mut().map(|recording| Box::new(recording) as Box<dyn Sink>));
         sinks.push(Box::new(&mut summary));
         sinks.push(Box::new(Progress::new(length, bars)));
-        serve::serve(&mut twin, loaded.scene.outputs, source, &mut sinks, &stop)
+        let how = (loaded.scene.outputs, loaded.scene.node.late);
+        serve::serve(&mut twin, how, source.as_mut(), &mut sinks, &stop)
     };
     #[cfg(feature = "ros")]
     if let Some(link) = link {
@@ -152,10 +154,7 @@ pub(super) fn run(
 type Broken = RefCell<Option<PathError>>;
 
 /// The commands of a path, and how many there are.
-fn from_path(
-    path: Option<LoadPath>,
-    broken: &Broken,
-) -> (Box<dyn Iterator<Item = Intake> + '_>, Option<usize>) {
+fn from_path(path: Option<LoadPath>, broken: &Broken) -> (Box<dyn Source + '_>, Option<usize>) {
     let length = path.as_ref().map(LoadPath::length);
     let commands = path.into_iter().flatten().map_while(|command| match command {
         Ok(command) => Some(Intake::from(command)),
@@ -164,7 +163,7 @@ fn from_path(
             None
         }
     });
-    (Box::new(commands), length)
+    (Box::new(Given(commands)), length)
 }
 
 #[cfg(feature = "mcap")]

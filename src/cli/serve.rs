@@ -1,25 +1,32 @@
 //! The loop of `run`: commands in, answers to every sink.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use anyhow::anyhow;
 
-use graintwin::command::request::Intake;
+use graintwin::command::merge::mergeable;
+use graintwin::command::request::{Answer, Asked, Intake, Request};
 use graintwin::command::{Command, Disposition};
 use graintwin::report::{Demand, Report};
-use graintwin::scene::{ModuliKind, Outputs, When};
+use graintwin::scene::{Late, ModuliKind, Outputs, When};
 use graintwin::sink::{Served, Sink};
-use graintwin::twin::Twin;
+use graintwin::twin::{Merged, Twin};
 
 use super::Failure;
+use super::source::Source;
 
-/// Relaxes the pack and serves `intakes` until they end or `stop` is set.
+/// Most commands that are looked at to be merged.
+const MOST_WAITING: usize = 1024;
+
+/// Relaxes the pack and serves what comes from `source` until it ends or `stop` is set. `late` says
+/// what happens to commands that wait, until the source changes it.
 pub(super) fn serve(
     twin: &mut Twin,
-    outputs: Outputs,
-    intakes: impl Iterator<Item = Intake>,
+    (outputs, mut late): (Outputs, Late),
+    source: &mut dyn Source,
     sinks: &mut [Box<dyn Sink + '_>],
     stop: &AtomicBool,
 ) -> Result<(), Failure> {
@@ -30,21 +37,100 @@ pub(super) fn serve(
     if let Some(why) = why {
         return Err(Failure::Other(anyhow!("no equilibrium to start from: {why}")));
     }
-    for intake in intakes {
+    let mut waiting = VecDeque::new();
+    while let Some(intake) = waiting.pop_front().or_else(|| source.next()) {
         if stop.load(Ordering::SeqCst) {
+            waiting.push_front(intake);
             break;
         }
+        if let Some((settings, now_late)) = source.changed() {
+            twin.set(&settings);
+            late = now_late;
+        }
         match intake {
+            Intake::Command(command) if late == Late::Merge => {
+                waiting.push_front(Intake::Command(command));
+                source.overtake(&mut waiting, MOST_WAITING);
+                merged(twin, outputs, &mut waiting, sinks);
+            }
             Intake::Command(command) => {
                 let report = timed(|| twin.apply(&command, demand(outputs, sinks)));
                 hand_over(Some(command), report, sinks);
             }
-            Intake::Request(asked) => {
-                asked.answer(Err("this version serves commands only".into()));
+            Intake::Malformed(command, text) => {
+                let report = twin.refuse(&command, text);
+                hand_over(Some(command), report, sinks);
             }
+            Intake::Request(asked) => answer(twin, outputs, asked, sinks),
+        }
+    }
+    for intake in waiting {
+        if let Intake::Request(asked) = intake {
+            asked.answer(Err("the twin is stopping".into()));
         }
     }
     Ok(())
+}
+
+/// Serves the first of `waiting`, which is a command, with those behind it that can be merged.
+fn merged(
+    twin: &mut Twin,
+    outputs: Outputs,
+    waiting: &mut VecDeque<Intake>,
+    sinks: &mut [Box<dyn Sink + '_>],
+) {
+    let count = mergeable(twin.setpoint(), &*waiting).max(1);
+    let commands: Vec<Command> = waiting
+        .drain(..count)
+        .filter_map(|intake| match intake {
+            Intake::Command(command) => Some(command),
+            Intake::Malformed(..) | Intake::Request(_) => None,
+        })
+        .collect();
+    let start = Instant::now();
+    let mut commands = VecDeque::from(commands);
+    match twin.apply_merged(commands.make_contiguous(), demand(outputs, sinks)) {
+        Merged::Together(mut reports) => {
+            if let Some(report) = reports.last_mut() {
+                took(report, start);
+            }
+            let together = commands.drain(..reports.len()).collect::<Vec<_>>();
+            for (command, report) in together.into_iter().zip(reports) {
+                hand_over(Some(command), report, sinks);
+            }
+        }
+        Merged::Apart(count) => {
+            for command in commands.drain(..count) {
+                let report = timed(|| twin.apply(&command, demand(outputs, sinks)));
+                hand_over(Some(command), report, sinks);
+            }
+        }
+    }
+    for command in commands.into_iter().rev() {
+        waiting.push_front(Intake::Command(command));
+    }
+}
+
+/// Does what was asked, and answers.
+fn answer(twin: &mut Twin, outputs: Outputs, asked: Asked, sinks: &mut [Box<dyn Sink + '_>]) {
+    let answer = match &asked.request {
+        Request::Reset => reset(twin, outputs, sinks),
+        Request::SavePack(file) => twin.save_pack(file),
+        Request::Hold(held) => twin.hold(*held),
+        Request::ResetFaults => Ok(twin.reset_faults()),
+    };
+    asked.answer(answer);
+}
+
+/// Takes the twin back to increment 0, which every sink gets whole, as at the start.
+fn reset(twin: &mut Twin, outputs: Outputs, sinks: &mut [Box<dyn Sink + '_>]) -> Answer {
+    let report = timed(|| twin.reset(ordered(outputs, Demand::ALL)));
+    let answer = match report.disposition {
+        Disposition::NotConverged => Err(report.text.clone()),
+        _ => Ok("increment 0 again; no command is remembered".into()),
+    };
+    hand_over(None, report, sinks);
+    answer
 }
 
 /// What the scene orders and what the sinks want of the next increment.
@@ -55,6 +141,11 @@ fn demand(outputs: Outputs, sinks: &[Box<dyn Sink + '_>]) -> Demand {
             moduli: all.moduli || one.moduli,
             contact_network: all.contact_network || one.contact_network,
         });
+    ordered(outputs, wanted)
+}
+
+/// What of `wanted` the scene allows, and what it orders.
+fn ordered(outputs: Outputs, wanted: Demand) -> Demand {
     Demand {
         state: wanted.state,
         moduli: match outputs.moduli {
@@ -73,10 +164,14 @@ fn demand(outputs: Outputs, sinks: &[Box<dyn Sink + '_>]) -> Demand {
 fn timed(answer: impl FnOnce() -> Report) -> Report {
     let start = Instant::now();
     let mut report = answer();
+    took(&mut report, start);
+    report
+}
+
+fn took(report: &mut Report, start: Instant) {
     if let Some(state) = report.measures.as_mut().and_then(|measures| measures.state.as_mut()) {
         state.solve_seconds = start.elapsed().as_secs_f64();
     }
-    report
 }
 
 fn hand_over(command: Option<Command>, report: Report, sinks: &mut [Box<dyn Sink + '_>]) {
@@ -85,3 +180,6 @@ fn hand_over(command: Option<Command>, report: Report, sinks: &mut [Box<dyn Sink
         sink.served(&served);
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -224,7 +224,10 @@ impl Sink for &mut Summary {
             return;
         }
         *self.commands.entry(name(report.disposition)).or_default() += 1;
-        let moved = report.measures.is_some() || report.disposition == Disposition::Duplicate;
+        let moved = matches!(
+            report.disposition,
+            Disposition::Applied | Disposition::Clamped | Disposition::Duplicate
+        );
         if !moved {
             let what = format!(
                 "command {} of session `{}`: {}: {}",

@@ -1,60 +1,129 @@
-//! The gate: accepts or refuses a command by its form and its place in the sequence. It knows no
-//! clock and no socket (interfaces.md, "What becomes of a command").
+//! The gate: accepts or refuses a command by its form, its place in the sequence and the limits.
+//! It knows no clock and no socket (interfaces.md, "What becomes of a command").
 
-use crate::command::{Ask, Command, Disposition, Mode};
+mod limits;
+mod setpoint;
+
+use crate::command::{Ask, Command, Disposition, Mode, Stamp};
 use crate::report::Report;
-use crate::wall::{self, Bounds, Control, Load, Setpoint, WallTarget};
+use crate::scene::{self, Fault, Limits};
+use crate::wall::{self, Bounds, Setpoint, WallTarget};
 
-/// A box side may shrink to this share of what it was at the start.
-const LEAST_SIDE: f64 = 0.5;
-/// A box side may grow, and the box may travel, up to this many times the side at the start.
-const MOST_SIDE: f64 = 2.0;
+pub use limits::Stand;
 
 /// What the gate says to a command.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Decision {
-    /// The walls shall do this; the text is for the report.
-    Serve(Setpoint, String),
+    /// The walls shall do this.
+    Serve(Order),
     /// Served before.
     Repeat,
     /// Refused, with the reason.
     Refuse(Disposition, String),
 }
 
-/// Remembers where the sequence stands.
+/// What the walls shall do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Order {
+    /// Where they shall stand, or what they shall carry.
+    pub setpoint: Setpoint,
+    /// Whether that is less than what the command asked.
+    pub clamped: bool,
+    /// For the report.
+    pub text: String,
+}
+
+/// Remembers where the sequence stands, and what keeps commands from being served.
 #[derive(Clone, Debug)]
 pub struct Gate {
     start: Bounds,
     /// Age beyond which a command is refused \[s\]; 0 = never.
     stale_after: f64,
-    /// Session and sequence of the last command that reached the walls.
+    limits: Limits,
+    hold_after: Vec<Fault>,
+    /// Somebody asked for a hold.
+    held: bool,
+    /// What happened that must be looked at first.
+    fault: Option<String>,
+    /// Session and sequence of the last command that took a place in the sequence.
     last: Option<(String, u64)>,
-    /// What the walls do since the last accepted command.
+    /// Session and stamp of the last command that was accepted.
+    accepted: Option<(String, Stamp)>,
+    /// What the walls do since then.
     now: Setpoint,
     /// Where the walls are \[m\].
     displacement: [f64; wall::COUNT],
-    /// Report of the last command that reached the walls, without measures.
+    /// Report of the last command that took a place in the sequence, without measures.
     report: Option<Report>,
 }
 
 impl Gate {
-    /// A gate for walls that start at `start`; commands older than `stale_after` s are refused
-    /// unless that is 0.
+    /// A gate for walls that start at `start`.
     #[must_use]
-    pub fn new(start: Bounds, stale_after: f64) -> Self {
+    pub fn new(start: Bounds, node: &scene::Node) -> Self {
         let displacement = [0.0; wall::COUNT];
-        let now = wall::standing(&displacement);
-        Self { start, stale_after, last: None, now, displacement, report: None }
+        Self {
+            start,
+            stale_after: node.stale_after,
+            limits: node.limits,
+            hold_after: node.hold_after.clone(),
+            held: false,
+            fault: None,
+            last: None,
+            accepted: None,
+            now: wall::standing(&displacement),
+            displacement,
+            report: None,
+        }
     }
 
-    /// Decides on `command`.
+    /// From now on commands older than `seconds` are refused unless that is 0.
+    pub fn set_stale_after(&mut self, seconds: f64) {
+        self.stale_after = seconds;
+    }
+
+    /// From now on these limits hold.
+    pub fn set_limits(&mut self, limits: Limits) {
+        self.limits = limits;
+    }
+
+    /// The limits.
+    #[must_use]
+    pub fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    /// Begins or ends a hold. A fault holds on its own.
+    pub fn hold(&mut self, held: bool) {
+        self.held = held;
+    }
+
+    /// Forgets what happened; returns it.
+    pub fn reset_faults(&mut self) -> Option<String> {
+        self.fault.take()
+    }
+
+    /// Why no command is served at present.
+    #[must_use]
+    pub fn holds(&self) -> Option<String> {
+        match &self.fault {
+            Some(fault) => Some(format!("on hold after {fault}; reset_faults ends that")),
+            None => self.held.then(|| "on hold; hold with false ends that".into()),
+        }
+    }
+
+    /// Decides on `command`. On hold each is held and takes no place in the sequence.
     #[must_use]
     pub fn decide(&self, command: &Command) -> Decision {
-        if let Some(text) = malformed(command) {
-            return Decision::Refuse(Disposition::Invalid, text);
+        let refuse = |disposition, text| Decision::Refuse(disposition, text);
+        if let Some(text) = self.holds() {
+            return refuse(Disposition::Held, text);
+        }
+        if let Some(text) = setpoint::malformed(command) {
+            return refuse(Disposition::Invalid, text);
         }
         if let Some(text) = self.stale(command) {
-            return Decision::Refuse(Disposition::Stale, text);
+            return refuse(Disposition::Stale, text);
         }
         let mut text = String::new();
         if let Some((session, last)) = &self.last
@@ -66,7 +135,7 @@ impl Gate {
             }
             if sequence < *last {
                 let text = format!("sequence {sequence} after {last}: commands must not go back");
-                return Decision::Refuse(Disposition::OutOfOrder, text);
+                return refuse(Disposition::OutOfOrder, text);
             }
             let missing = sequence - last - 1;
             if missing > 0 {
@@ -75,18 +144,14 @@ impl Gate {
                         "{missing} commands missing before sequence {sequence}: an increment needs \
                          the one before it; send an absolute command or start a new session"
                     );
-                    return Decision::Refuse(Disposition::Gap, text);
+                    return refuse(Disposition::Gap, text);
                 }
                 text = format!("{missing} commands missing before it");
             }
         }
-        let setpoint = match self.setpoint(&command.ask, command.mode) {
-            Ok(setpoint) => setpoint,
-            Err(text) => return Decision::Refuse(Disposition::Invalid, text),
-        };
-        match self.beyond_travel(&setpoint) {
-            Some(text) => Decision::Refuse(Disposition::Limit, text),
-            None => Decision::Serve(setpoint, text),
+        match self.setpoint(&command.ask, command.mode) {
+            Ok(setpoint) => self.limit(command, setpoint, text),
+            Err(text) => refuse(Disposition::Invalid, text),
         }
     }
 
@@ -104,74 +169,37 @@ impl Gate {
         self.displacement = displacement;
     }
 
-    /// What the walls do when they are asked so, or what is wrong with it.
-    fn setpoint(&self, ask: &Ask, mode: Mode) -> Result<Setpoint, String> {
-        let targets = ask.targets();
-        let mut setpoint = self.now;
-        for (w, target) in targets.into_iter().enumerate() {
-            let keeps = matches!(ask, Ask::Displacement(_)) && self.now[w].load().is_some();
-            if !keeps {
-                setpoint[w] = self.control(w, target, mode)?;
+    /// Holds `setpoint` against the limits.
+    fn limit(&self, command: &Command, setpoint: Setpoint, text: String) -> Decision {
+        if let Some(text) = self.beyond_hard_limits(&setpoint) {
+            return Decision::Refuse(Disposition::Limit, text);
+        }
+        match self.within_limits(&setpoint, self.elapsed(command)) {
+            (setpoint, None) => Decision::Serve(Order { setpoint, clamped: false, text }),
+            (_, Some(beyond)) if !self.limits.clamp => Decision::Refuse(Disposition::Limit, beyond),
+            (setpoint, Some(beyond)) => {
+                let text = join(&text, &format!("as far as allowed: {beyond}"));
+                Decision::Serve(Order { setpoint, clamped: true, text })
             }
         }
-        for axis in 0..3 {
-            let [low, high] = [2 * axis, 2 * axis + 1];
-            if let (Some(one), Some(other)) = (setpoint[low].load(), setpoint[high].load())
-                && one != other
-            {
-                return Err(format!(
-                    "{} and {} shall carry {one:?} and {other:?}: the two walls of a pair carry \
-                     the same load, or one of them stands",
-                    wall::NAMES[low],
-                    wall::NAMES[high]
-                ));
-            }
-        }
-        Ok(setpoint)
     }
 
-    /// What `target` makes wall `w` do.
-    fn control(&self, w: usize, target: WallTarget, mode: Mode) -> Result<Control, String> {
-        let name = wall::NAMES[w];
-        let on_top = mode == Mode::Increment;
-        let load = |load: Load, value: f64, unit: &str| {
-            if value > 0.0 {
-                return Ok(Control::Load(load));
-            }
-            Err(format!("{name} shall carry {value:e} {unit}: a load is above 0"))
-        };
-        let under_none =
-            || format!("{name} carries no such load that an increment could go on top of");
-        match target {
-            WallTarget::Keep => Ok(self.now[w]),
-            WallTarget::Displacement(value) => {
-                let before = match self.now[w] {
-                    Control::Displacement(before) => before,
-                    Control::Load(_) => self.displacement[w],
-                };
-                Ok(Control::Displacement(if on_top { before + value } else { value }))
-            }
-            WallTarget::Force(value) => {
-                let before = match self.now[w] {
-                    _ if !on_top => 0.0,
-                    Control::Load(Load::Force(before)) => before,
-                    _ => return Err(under_none()),
-                };
-                load(Load::Force(before + value), before + value, "N")
-            }
-            WallTarget::Stress(value) => {
-                let before = match self.now[w] {
-                    _ if !on_top => 0.0,
-                    Control::Load(Load::Stress(before)) => before,
-                    _ => return Err(under_none()),
-                };
-                load(Load::Stress(before + value), before + value, "Pa")
-            }
-            WallTarget::Unknown(number, _) => Err(format!(
-                "control {number} of {name}: 0 (keep), 1 (displacement), 2 (force) and 3 (stress) \
-                 are allowed"
-            )),
+    /// Time from the last accepted command to this one by their stamps \[s\]. None passes when a
+    /// session does not go forward. A new session may count on another clock: when it does not go
+    /// forward, nothing tells the time.
+    fn elapsed(&self, command: &Command) -> Option<f64> {
+        let (session, stamp) = self.accepted.as_ref()?;
+        let nanoseconds = command.stamp.nanoseconds() - stamp.nanoseconds();
+        match nanoseconds > 0 {
+            true => Some(nanoseconds as f64 * 1e-9),
+            false => (*session == command.session).then_some(0.0),
         }
+    }
+
+    /// What the walls do now.
+    #[must_use]
+    pub fn now(&self) -> &Setpoint {
+        &self.now
     }
 
     /// Why the command is too old; what was served before is repeated at any age.
@@ -186,31 +214,8 @@ impl Gate {
         })
     }
 
-    /// Why the walls cannot go where `setpoint` sends them; those under a load stay meanwhile.
-    fn beyond_travel(&self, setpoint: &Setpoint) -> Option<String> {
-        let target: [f64; wall::COUNT] = std::array::from_fn(|w| match setpoint[w] {
-            Control::Displacement(displacement) => displacement,
-            Control::Load(_) => self.displacement[w],
-        });
-        let (start, now) = (self.start.sides(), self.start.displaced(&target).sides());
-        (0..3).find_map(|axis| {
-            let (low, high) = (wall::NAMES[2 * axis], wall::NAMES[2 * axis + 1]);
-            let allowed = [LEAST_SIDE * start[axis], MOST_SIDE * start[axis]];
-            if !(allowed[0]..=allowed[1]).contains(&now[axis]) {
-                return Some(format!(
-                    "{low} and {high} would be {:e} m apart: {:e} to {:e} m are allowed",
-                    now[axis], allowed[0], allowed[1]
-                ));
-            }
-            let travel = target[2 * axis].abs().max(target[2 * axis + 1].abs());
-            (travel > allowed[1]).then(|| {
-                format!("{low} or {high} would travel {travel:e} m: {:e} m are allowed", allowed[1])
-            })
-        })
-    }
-
-    /// Remembers a command that reached the walls, what they do since when they moved, and where
-    /// they are.
+    /// Remembers a command that took a place in the sequence: what the walls do since when it was
+    /// accepted, where they are, and its report, which may be a fault.
     pub fn served(
         &mut self,
         command: &Command,
@@ -219,30 +224,49 @@ impl Gate {
         report: &Report,
     ) {
         self.last = Some((command.session.clone(), command.sequence));
-        self.now = setpoint.unwrap_or(self.now);
+        if let Some(setpoint) = setpoint {
+            self.accepted = Some((command.session.clone(), command.stamp));
+            self.now = setpoint;
+        }
         self.displacement = displacement;
+        let fault = match report.disposition {
+            Disposition::NotConverged => Some(Fault::NotConverged),
+            Disposition::Limit => Some(Fault::Limit),
+            _ => None,
+        };
+        if fault.is_some_and(|fault| self.hold_after.contains(&fault)) {
+            let Report { session, sequence, text, .. } = report;
+            self.fault = Some(format!("command {sequence} of session `{session}`: {text}"));
+        }
         self.report = Some(Report { measures: None, ..report.clone() });
     }
 
-    /// The report of the last command that reached the walls.
+    /// Takes it that `command` is accepted and the walls do what `order` says.
+    pub fn expect(&mut self, command: &Command, order: &Order) {
+        self.displacement = self.destination(&order.setpoint);
+        self.last = Some((command.session.clone(), command.sequence));
+        self.accepted = Some((command.session.clone(), command.stamp));
+        self.now = order.setpoint;
+    }
+
+    /// Forgets every command; the walls are back at their start. Limits, hold and faults stay.
+    pub fn forget_commands(&mut self) {
+        self.displacement = [0.0; wall::COUNT];
+        self.now = wall::standing(&self.displacement);
+        (self.last, self.accepted, self.report) = (None, None, None);
+    }
+
+    /// The report of the last command that took a place in the sequence.
     #[must_use]
     pub fn last_report(&self) -> Option<&Report> {
         self.report.as_ref()
     }
 }
 
-/// What is wrong with the form of a command.
-fn malformed(command: &Command) -> Option<String> {
-    if let Mode::Unknown(mode) = command.mode {
-        return Some(format!("mode {mode}: 0 (absolute) and 1 (increment) are allowed"));
+/// Two remarks as one.
+pub(crate) fn join(first: &str, second: &str) -> String {
+    match (first, second) {
+        ("", only) | (only, "") => only.into(),
+        (first, second) => format!("{first}; {second}"),
     }
-    let values = command.ask.numbers();
-    let wall = values.iter().position(|value| !value.is_finite())?;
-    let (name, value) = (wall::NAMES[wall], values[wall]);
-    Some(match command.ask {
-        Ask::Displacement(_) => {
-            format!("displacement of {name} is {value}: a finite number of metres is needed")
-        }
-        Ask::Targets(_) => format!("value of {name} is {value}: a finite number is needed"),
-    })
 }

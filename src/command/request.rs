@@ -10,6 +10,8 @@ use super::Command;
 pub enum Intake {
     /// Move the walls.
     Command(Command),
+    /// A message that makes no command: what stands for it, and what is wrong with it.
+    Malformed(Command, String),
     /// Anything else.
     Request(Asked),
 }

@@ -82,6 +82,49 @@ pub struct Clock {
     pub clock: Time,
 }
 
+/// `builtin_interfaces/Duration`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Duration {
+    /// Whole seconds.
+    pub sec: i32,
+    /// Nanoseconds on top of them.
+    pub nanosec: u32,
+}
+
+impl Duration {
+    /// In nanoseconds.
+    #[must_use]
+    pub fn nanoseconds(self) -> i64 {
+        i64::from(self.sec) * 1_000_000_000 + i64::from(self.nanosec)
+    }
+}
+
+/// `trajectory_msgs/JointTrajectoryPoint`. Arrays have the length of `joint_names`, or none.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct JointTrajectoryPoint {
+    /// Positions of the joints \[m or rad\].
+    pub positions: Vec<f64>,
+    /// Velocities; a quasi-static twin has no use for them.
+    pub velocities: Vec<f64>,
+    /// Accelerations; no use either.
+    pub accelerations: Vec<f64>,
+    /// Efforts; no use either.
+    pub effort: Vec<f64>,
+    /// When the joints shall be there, after the stamp of the trajectory.
+    pub time_from_start: Duration,
+}
+
+/// `trajectory_msgs/JointTrajectory`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct JointTrajectory {
+    /// When it begins; zero means at once.
+    pub header: Header,
+    /// Names of the joints.
+    pub joint_names: Vec<String>,
+    /// Where they shall be when.
+    pub points: Vec<JointTrajectoryPoint>,
+}
+
 describe!(
     Time,
     "builtin_interfaces",
@@ -131,4 +174,26 @@ describe!(
     "builtin_interfaces/Time clock\n",
     &[Time::TYPE],
     "692f7a66e93a3c83e71765d033b60349ba68023a8c689a79e48078bcb5c58564"
+);
+describe!(
+    Duration,
+    "builtin_interfaces",
+    "int32 sec\nuint32 nanosec\n",
+    &[],
+    "e8d009f659816f758b75334ee1a9ca5b5c0b859843261f14c7f937349599d93b"
+);
+describe!(
+    JointTrajectoryPoint,
+    "trajectory_msgs",
+    "float64[] positions\nfloat64[] velocities\nfloat64[] accelerations\nfloat64[] effort\n\
+           builtin_interfaces/Duration time_from_start\n",
+    &[Duration::TYPE],
+    "de8907036d8bd45aac6f30cc9044a3d4a329c42cbf719aff7d95a584cfa532d7"
+);
+describe!(
+    JointTrajectory,
+    "trajectory_msgs",
+    "std_msgs/Header header\nstring[] joint_names\nJointTrajectoryPoint[] points\n",
+    &[Header::TYPE, JointTrajectoryPoint::TYPE],
+    "179b33eba59d676f6d967ac71fe35e7ca2f64b2f3928f4a018cec115e213796e"
 );

@@ -2,8 +2,8 @@
 
 use super::schema::{Described, MessageType};
 use super::{
-    BoundaryCommand, ContactNetwork, DiagnosticArray, Discrepancy, Event, JointState, Moduli,
-    PackState, Report, TFMessage, WallForces, WallTargets, WrenchStamped,
+    BoundaryCommand, ContactNetwork, DiagnosticArray, Discrepancy, Event, JointState,
+    JointTrajectory, Moduli, PackState, Report, TFMessage, WallForces, WallTargets, WrenchStamped,
 };
 use crate::wall;
 
@@ -85,6 +85,10 @@ impl Topic {
 pub static BOUNDARY_COMMAND: Topic = Topic::new("boundary_command", BoundaryCommand::TYPE, 20_000);
 /// In: [`WallTargets`].
 pub static WALL_TARGETS: Topic = Topic::new("wall_targets", WallTargets::TYPE, 20_000);
+/// In, when the scene maps joints: [`JointState`]. Recorded as the [`WallTargets`] it becomes.
+pub static JOINT_STATES: Topic = Topic::new("joint_states", JointState::TYPE, 256);
+/// In, when the scene maps joints: [`JointTrajectory`]. Recorded as the [`WallTargets`] it becomes.
+pub static JOINT_TRAJECTORY: Topic = Topic::new("joint_trajectory", JointTrajectory::TYPE, 64);
 /// Out: [`Report`].
 pub static REPORT: Topic = Topic::new("report", Report::TYPE, 256);
 /// Out: [`WallForces`].

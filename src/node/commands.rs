@@ -11,8 +11,8 @@ use tokio::task::AbortHandle;
 
 use super::clock::Clock;
 use super::counters::Counters;
-use crate::command::Command;
 use crate::command::request::Intake;
+use crate::command::{Command, Stamp};
 use crate::msg::Described;
 
 /// Commands that wait for the solver outside of DDS: 9 MB. When they are full, DDS keeps the
@@ -32,6 +32,11 @@ pub struct Commands {
 impl Commands {
     pub(super) fn new(queue: mpsc::Receiver<Intake>, stop: Arc<AtomicBool>) -> Self {
         Self { queue, stop }
+    }
+
+    /// The next one if it has come already, unless the stop flag is raised.
+    pub fn next_waiting(&mut self) -> Option<Intake> {
+        if self.stopped() { None } else { self.queue.try_recv().ok() }
     }
 
     fn stopped(&self) -> bool {
@@ -62,33 +67,56 @@ impl EndOfCommands {
     }
 }
 
-/// Takes every command from a topic and hands it over with its age.
-pub(super) async fn receive<M>(
-    subscription: Subscription<M>,
-    queue: mpsc::Sender<Intake>,
-    counters: Arc<Counters>,
-    clock: Clock,
-) where
-    M: Message + Described + 'static,
-    Command: From<M>,
-{
-    let mut stream = pin!(subscription.async_stream());
-    while let Some(sample) = stream.next().await {
-        match sample {
-            Ok((message, info)) => {
-                let mut command = Command::from(message);
-                let arrival = info.received_timestamp().map(|time| time.to_nanos());
-                command.age = clock.age(command.stamp, arrival);
-                counters.commands.fetch_add(1, Ordering::Relaxed);
-                counters.health.arrived();
-                if queue.send(command.into()).await.is_err() {
-                    return;
+/// How old a message is that was stamped so \[s\], if anybody can say.
+pub(super) type Age<'a> = dyn Fn(Stamp) -> Option<f64> + 'a;
+
+/// The way from the topics to [`Commands`].
+#[derive(Clone)]
+pub(super) struct Intakes {
+    pub(super) queue: mpsc::Sender<Intake>,
+    pub(super) counters: Arc<Counters>,
+    pub(super) clock: Clock,
+}
+
+impl Intakes {
+    /// Takes every message from a topic and hands over what `read` makes of it.
+    pub(super) async fn receive<M, F, I>(self, subscription: Subscription<M>, mut read: F)
+    where
+        M: Message + Described + 'static,
+        F: FnMut(M, &Age<'_>) -> I,
+        I: IntoIterator<Item = Intake>,
+        I::IntoIter: Send,
+    {
+        let mut stream = pin!(subscription.async_stream());
+        while let Some(sample) = stream.next().await {
+            match sample {
+                Ok((message, info)) => {
+                    let arrival = info.received_timestamp().map(|time| time.to_nanos());
+                    let intakes = read(message, &|stamp| self.clock.age(stamp, arrival));
+                    for intake in intakes {
+                        self.counters.commands.fetch_add(1, Ordering::Relaxed);
+                        self.counters.health.arrived();
+                        if self.queue.send(intake).await.is_err() {
+                            return;
+                        }
+                    }
                 }
-            }
-            Err(error) => {
-                counters.unreadable.fetch_add(1, Ordering::Relaxed);
-                tracing::error!("a command is lost, its bytes are no {}: {error}", M::TYPE.name);
+                Err(error) => {
+                    self.counters.unreadable.fetch_add(1, Ordering::Relaxed);
+                    let name = M::TYPE.name;
+                    tracing::error!("a command is lost, its bytes are no {name}: {error}");
+                }
             }
         }
     }
+}
+
+/// The command in a message of this package, with its age.
+pub(super) fn of_ours<M>(message: M, age: &Age<'_>) -> [Intake; 1]
+where
+    Command: From<M>,
+{
+    let command = Command::from(message);
+    let age = age(command.stamp);
+    [Intake::Command(Command { age, ..command })]
 }

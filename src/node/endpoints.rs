@@ -13,7 +13,8 @@ use super::services::Services;
 use super::{NodeError, clock, mapping};
 use crate::msg::{
     BoundaryCommand, Clock, ContactNetwork, DiagnosticArray, Discrepancy, Event, JointState,
-    Moduli, PackState, Report, TFMessage, Topic, WallForces, WallTargets, WrenchStamped, topics,
+    JointTrajectory, Moduli, PackState, Report, TFMessage, Topic, WallForces, WallTargets,
+    WrenchStamped, topics,
 };
 use crate::{scene, wall};
 
@@ -50,12 +51,21 @@ pub(super) struct Out<M: Serialize> {
 
 /// What the node subscribes to.
 pub(super) struct Subscriptions {
-    pub commands: Subscription<BoundaryCommand>,
-    pub targets: Subscription<WallTargets>,
+    pub sources: Sources,
     /// Load cells, by wall.
     pub cells: Vec<(usize, Subscription<WrenchStamped>)>,
     pub clock: Subscription<Clock>,
     pub services: Services,
+}
+
+/// Where commands come from.
+pub(super) struct Sources {
+    pub commands: Subscription<BoundaryCommand>,
+    pub targets: Subscription<WallTargets>,
+    /// When the scene maps joints.
+    pub joint_states: Option<Subscription<JointState>>,
+    /// When the scene maps joints.
+    pub joint_trajectory: Option<Subscription<JointTrajectory>>,
 }
 
 impl Endpoints {
@@ -70,8 +80,18 @@ impl Endpoints {
         let measured = |wall: &usize| cells.is_some_and(|cells| cells.walls[*wall]);
         let [x_min, x_max, y_min, y_max, z_min, z_max] = &topics::WALL_WRENCH;
         let subscriptions = Subscriptions {
-            commands: subscribe(&mut node, identity, &topics::BOUNDARY_COMMAND)?,
-            targets: subscribe(&mut node, identity, &topics::WALL_TARGETS)?,
+            sources: Sources {
+                commands: subscribe(&mut node, identity, &topics::BOUNDARY_COMMAND)?,
+                targets: subscribe(&mut node, identity, &topics::WALL_TARGETS)?,
+                joint_states: match options.joint_states {
+                    Some(_) => Some(subscribe(&mut node, identity, &topics::JOINT_STATES)?),
+                    None => None,
+                },
+                joint_trajectory: match options.joint_trajectory {
+                    Some(_) => Some(subscribe(&mut node, identity, &topics::JOINT_TRAJECTORY)?),
+                    None => None,
+                },
+            },
             cells: (0..wall::COUNT)
                 .filter(measured)
                 .map(|wall| {

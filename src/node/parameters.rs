@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 pub use descriptor::{Descriptor, Field, Fixed, Range, all};
-pub use live::{Changes, Limits, Live};
+pub use live::{Changes, Live};
 use overrides::Override;
 pub use value::{Kind, Value};
 

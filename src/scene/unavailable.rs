@@ -44,21 +44,6 @@ const TABLE: &[Row] = &[
         value: Value::Any,
         text: "this version maps no topics; the names are those of the node; allowed: no such key",
     },
-    Row {
-        keys: &["node", "joint_states"],
-        value: Value::Any,
-        text: "this version takes commands from ~/boundary_command only; allowed: no such key",
-    },
-    Row {
-        keys: &["node", "joint_trajectory"],
-        value: Value::Any,
-        text: "this version takes commands from ~/boundary_command only; allowed: no such key",
-    },
-    Row {
-        keys: &["node", "limits"],
-        value: Value::Any,
-        text: "this version has no limits of travel, rate or force; allowed: no such key",
-    },
 ];
 
 /// Finds what the file asks for in vain.

@@ -1,7 +1,8 @@
 //! The parameters that hold for the running twin.
 
 use super::Parameters;
-use crate::scene::Scene;
+use crate::scene::{Late, Limits, Scene};
+use crate::twin::Settings;
 
 /// The values of all parameters that can change while the twin runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,37 +21,41 @@ pub struct Live {
     pub max_strain_increment: f64,
 }
 
-/// Limits of what a command may do; 0 = none.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Limits {
-    /// Displacement of a wall since the start \[m\].
-    pub travel: f64,
-    /// Speed of a wall by the stamps of the commands \[m/s\].
-    pub rate: f64,
-    /// Strain of the specimen since the start along any axis.
-    pub strain: f64,
-    /// Normal force on a wall \[N\].
-    pub force: f64,
-    /// Whether a command beyond a limit is served up to the limit rather than refused.
-    pub clamp: bool,
-}
-
 impl Live {
     pub(super) fn of(scene: &Scene) -> Self {
         Self {
             stale_after: scene.node.stale_after,
-            limits: Limits::default(),
-            merge: false,
+            limits: scene.node.limits,
+            merge: scene.node.late == Late::Merge,
             use_sim_time: scene.node.use_sim_time,
             tolerance: scene.solver.tolerance,
             max_strain_increment: scene.solver.max_strain_increment,
         }
     }
 
-    /// Writes the values that the scene has a key for into it, so that a twin made from it, and a
-    /// recording that echoes it, have them.
+    /// What happens to commands that come faster than the twin serves them.
+    #[must_use]
+    pub fn late(&self) -> Late {
+        if self.merge { Late::Merge } else { Late::Every }
+    }
+
+    /// Those that the twin itself takes.
+    #[must_use]
+    pub fn settings(&self) -> Settings {
+        Settings {
+            stale_after: self.stale_after,
+            limits: self.limits,
+            tolerance: self.tolerance,
+            max_strain_increment: self.max_strain_increment,
+        }
+    }
+
+    /// Writes the values into the scene, so that a twin made from it, and a recording that echoes
+    /// it, have them.
     pub fn write_to(&self, scene: &mut Scene) {
         scene.node.stale_after = self.stale_after;
+        scene.node.limits = self.limits;
+        scene.node.late = self.late();
         scene.node.use_sim_time = self.use_sim_time;
         scene.solver.tolerance = self.tolerance;
         scene.solver.max_strain_increment = self.max_strain_increment;
