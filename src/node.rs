@@ -77,6 +77,7 @@ pub use names::Identity;
 pub use outbox::NodeSink;
 use outbox::{Item, Outbox};
 use parameters::Parameters;
+use parameters::services::Services as ParameterServices;
 
 use rosout::{Records, Rosout};
 
@@ -206,11 +207,11 @@ impl Node {
             Some(records) => Some((Rosout::new(&mut ros_node, &identity)?, records)),
             None => None,
         };
+        let clock = Clock::new(options.use_sim_time);
         let parameters = match parameters {
-            Some(store) => Some((
-                parameters::services::Services::new(&mut ros_node, &identity, options)?,
-                store,
-            )),
+            Some(store) => {
+                Some((ParameterServices::new(&mut ros_node, &identity, options, &clock)?, store))
+            }
             None => None,
         };
         let (endpoints, subscriptions) = Endpoints::new(ros_node, &identity, options)?;
@@ -224,16 +225,12 @@ impl Node {
 
         let spinner = runtime.spawn(spin(spinner));
         let (commands_in, commands_out) = mpsc::channel(commands::WAITING);
-        let simulated = match &parameters {
-            Some((_, store)) => store.use_sim_time(),
-            None => Arc::new(options.use_sim_time.into()),
-        };
-        let clock = Clock::new(simulated);
         let waiting = commands_in.downgrade();
         let intake =
             Intakes { queue: commands_in, counters: Arc::clone(&counters), clock: clock.clone() };
         let Subscriptions { sources, cells, clock: times, services } = subscriptions;
-        let mut tasks = vec![runtime.spawn(clock::follow(times, clock.clone()))];
+        let mut tasks = Vec::new();
+        tasks.extend(times.map(|times| runtime.spawn(clock::follow(times, clock.clone()))));
         tasks.extend(services.start(&runtime, &intake.queue, &counters));
         let receiving = receive(&runtime, sources, options, intake);
         let end_of_commands =

@@ -177,9 +177,8 @@ fn the_default_file_names_every_parameter_that_can_be_set_with_its_default() {
     let values = overrides::parse_file(&all_set, &file, "/n").unwrap();
     let mut named: Vec<&str> = values.iter().map(|value| value.name.as_str()).collect();
     named.sort_unstable();
-    let settable: Vec<&str> =
-        all().iter().filter(|one| !one.read_only()).map(|one| one.name).collect();
-    assert_eq!(named, settable);
+    let taken: Vec<&str> = all().iter().filter(|one| !one.tells()).map(|one| one.name).collect();
+    assert_eq!(named, taken);
     let defaults = store();
     for value in &values {
         assert_eq!(defaults.get(&value.name).as_ref(), Some(&value.value), "{}", value.name);

@@ -54,7 +54,7 @@ pub(super) struct Subscriptions {
     pub sources: Sources,
     /// Load cells, by wall.
     pub cells: Vec<(usize, Subscription<WrenchStamped>)>,
-    pub clock: Subscription<Clock>,
+    pub clock: Option<Subscription<Clock>>,
     pub services: Services,
 }
 
@@ -98,7 +98,10 @@ impl Endpoints {
                     Ok((wall, subscribe(&mut node, identity, &topics::MEASURED_WRENCH[wall])?))
                 })
                 .collect::<Result<_, NodeError>>()?,
-            clock: clock::subscribe(&mut node, identity)?,
+            clock: options
+                .use_sim_time
+                .then(|| clock::subscribe(&mut node, identity))
+                .transpose()?,
             services: Services::new(&mut node, identity, mapping::service_mapping(options))?,
         };
         let endpoints = Self {

@@ -11,7 +11,6 @@ pub(super) mod services;
 mod value;
 mod yaml;
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 pub use descriptor::{Descriptor, Field, Fixed, Range, all};
@@ -36,6 +35,12 @@ pub enum Refusal {
     /// It tells, it does not take.
     #[error("{name} is read-only: it tells what the scene or the command line says")]
     ReadOnly {
+        /// Its name.
+        name: &'static str,
+    },
+    /// It counts at the start.
+    #[error("{name} is read-only while the node runs: start it with -p {name}:=VALUE")]
+    Late {
         /// Its name.
         name: &'static str,
     },
@@ -96,7 +101,6 @@ pub struct Parameters(Arc<Shared>);
 #[derive(Debug)]
 struct Shared {
     fixed: Fixed,
-    use_sim_time: Arc<AtomicBool>,
     state: Mutex<State>,
 }
 
@@ -112,9 +116,7 @@ impl Parameters {
     #[must_use]
     pub fn new(scene: &Scene, threads: usize) -> Self {
         let state = State { live: Live::of(scene), pending: None };
-        let use_sim_time = Arc::new(scene.node.use_sim_time.into());
-        let fixed = Fixed::of(scene, threads);
-        Self(Arc::new(Shared { fixed, use_sim_time, state: Mutex::new(state) }))
+        Self(Arc::new(Shared { fixed: Fixed::of(scene, threads), state: Mutex::new(state) }))
     }
 
     /// Takes the values that the node is started with, in order. Returns sentences about those
@@ -125,7 +127,7 @@ impl Parameters {
     pub fn start_with(&self, overrides: &[Override]) -> Result<Vec<String>, BadOverride> {
         let mut unknown = Vec::new();
         for Override { name, value, origin } in overrides {
-            match self.set(&[(name.clone(), value.clone())]) {
+            match self.take(&[(name.clone(), value.clone())]) {
                 Ok(()) => {}
                 Err(refusal @ Refusal::Unknown { .. }) => {
                     unknown.push(format!("{origin}: {refusal}"));
@@ -143,6 +145,16 @@ impl Parameters {
     /// # Errors
     /// With the first that cannot be set.
     pub fn set(&self, wanted: &[(String, Value)]) -> Result<(), Refusal> {
+        for (name, _) in wanted {
+            let Descriptor { name, field, .. } = find(name)?;
+            if matches!(field, Field::AtStart(_)) {
+                return Err(Refusal::Late { name });
+            }
+        }
+        self.take(wanted)
+    }
+
+    fn take(&self, wanted: &[(String, Value)]) -> Result<(), Refusal> {
         let mut state = self.state();
         let mut live = state.live;
         for (name, value) in wanted {
@@ -151,7 +163,6 @@ impl Parameters {
         if !wanted.is_empty() {
             state.live = live;
             state.pending = Some(live);
-            self.0.use_sim_time.store(live.use_sim_time, Ordering::Relaxed);
         }
         Ok(())
     }
@@ -167,11 +178,6 @@ impl Parameters {
     #[must_use]
     pub fn live(&self) -> Live {
         self.state().live
-    }
-
-    /// Whether time is that of `/clock`, for a clock that every task has.
-    pub(super) fn use_sim_time(&self) -> Arc<AtomicBool> {
-        Arc::clone(&self.0.use_sim_time)
     }
 
     /// Where the solver's thread finds out what was changed. One is enough.

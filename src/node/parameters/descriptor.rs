@@ -27,6 +27,8 @@ pub enum Field {
     Double(fn(&mut Live) -> &mut f64, Range),
     /// A switch.
     Bool(fn(&mut Live) -> &mut bool),
+    /// A switch that is read-only once the node runs.
+    AtStart(fn(&mut Live) -> &mut bool),
 }
 
 /// The numbers that a parameter takes; all of them are finite.
@@ -86,13 +88,19 @@ impl Descriptor {
             Field::Text(_) => Kind::STRING,
             Field::Count(_) => Kind::INTEGER,
             Field::Double(..) => Kind::DOUBLE,
-            Field::Bool(_) => Kind::BOOL,
+            Field::Bool(_) | Field::AtStart(_) => Kind::BOOL,
         }
     }
 
-    /// Whether it only tells.
+    /// Whether it only tells, once the node runs.
     #[must_use]
     pub fn read_only(&self) -> bool {
+        self.tells() || matches!(self.field, Field::AtStart(_))
+    }
+
+    /// Whether it only tells, from the start.
+    #[must_use]
+    pub fn tells(&self) -> bool {
         matches!(self.field, Field::Text(_) | Field::Count(_))
     }
 
@@ -102,7 +110,7 @@ impl Descriptor {
             Field::Text(field) => Value::Text(field(fixed).into()),
             Field::Count(field) => Value::Integer(field(fixed)),
             Field::Double(field, _) => Value::Double(*field(&mut live)),
-            Field::Bool(field) => Value::Bool(*field(&mut live)),
+            Field::Bool(field) | Field::AtStart(field) => Value::Bool(*field(&mut live)),
         }
     }
 
@@ -117,7 +125,9 @@ impl Descriptor {
                 }
                 *field(live) = *value;
             }
-            (Field::Bool(field), Value::Bool(value)) => *field(live) = *value,
+            (Field::Bool(field) | Field::AtStart(field), Value::Bool(value)) => {
+                *field(live) = *value;
+            }
             _ => {
                 return Err(Refusal::Kind { name, needed: self.kind(), found: value.kind() });
             }
@@ -206,8 +216,8 @@ static ALL: [Descriptor; 15] = [
     },
     Descriptor {
         name: "use_sim_time",
-        description: "Whether time is that of /clock",
-        field: Field::Bool(|live| &mut live.use_sim_time),
+        description: "Whether the age of a command is counted on the time of /clock",
+        field: Field::AtStart(|live| &mut live.use_sim_time),
     },
     Descriptor {
         name: "version",

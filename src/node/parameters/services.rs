@@ -42,6 +42,7 @@ pub(in crate::node) struct Services {
 struct Events {
     publisher: Publisher<rcl::ParameterEvent>,
     node: String,
+    clock: Clock,
 }
 
 impl Services {
@@ -50,6 +51,7 @@ impl Services {
         node: &mut Node,
         identity: &Identity,
         options: &scene::Node,
+        clock: &Clock,
     ) -> Result<Self, NodeError> {
         let mut maker = Maker { node, identity, mapping: mapping::service_mapping(options) };
         Ok(Self {
@@ -59,7 +61,7 @@ impl Services {
             set: maker.server("set_parameters", "SetParameters")?,
             set_atomically: maker.server("set_parameters_atomically", "SetParametersAtomically")?,
             list: maker.server("list_parameters", "ListParameters")?,
-            events: Events::new(node, identity)?,
+            events: Events::new(node, identity, clock)?,
         })
     }
 
@@ -144,7 +146,7 @@ impl Maker<'_> {
 }
 
 impl Events {
-    fn new(node: &mut Node, identity: &Identity) -> Result<Self, NodeError> {
+    fn new(node: &mut Node, identity: &Identity, clock: &Clock) -> Result<Self, NodeError> {
         let name = identity.resolve(EVENTS);
         let failed = |error: &dyn std::error::Error| NodeError::Endpoint {
             topic: name.clone(),
@@ -156,7 +158,7 @@ impl Events {
         let kind = MessageTypeName::new("rcl_interfaces", "ParameterEvent");
         let topic = node.create_topic(&parsed, kind, &qos).map_err(|error| failed(&error))?;
         let publisher = node.create_publisher(&topic, Some(qos)).map_err(|error| failed(&error))?;
-        Ok(Self { publisher, node: identity.full_name() })
+        Ok(Self { publisher, node: identity.full_name(), clock: clock.clone() })
     }
 
     async fn tell(&self, changed_parameters: Vec<rcl::Parameter>) {
@@ -164,7 +166,7 @@ impl Events {
             return;
         }
         let event = rcl::ParameterEvent {
-            stamp: Clock::default().now().into(),
+            stamp: self.clock.now().into(),
             node: self.node.clone(),
             changed_parameters,
             ..rcl::ParameterEvent::default()
@@ -279,7 +281,9 @@ fn described(name: String) -> rcl::ParameterDescriptor {
                 rcl::FloatingPointRange { from_value: range.from, to_value: range.to, step: 0.0 };
             (range.to_string(), vec![bounds])
         }
-        Field::Text(_) | Field::Count(_) | Field::Bool(_) => (String::new(), Vec::new()),
+        Field::Text(_) | Field::Count(_) | Field::Bool(_) | Field::AtStart(_) => {
+            (String::new(), Vec::new())
+        }
     };
     rcl::ParameterDescriptor {
         name,

@@ -67,6 +67,7 @@ fn what_cannot_be_set_is_refused_in_a_sentence() {
         ("merge", Value::Other(Kind::NOT_SET), "merge cannot be removed"),
         ("merge", Value::Other(Kind(77)), "not unknown (77)"),
         ("seed", Value::Integer(1), "seed is read-only"),
+        ("use_sim_time", Value::Bool(true), "use_sim_time is read-only while the node runs"),
         ("scene", Value::Text("a".into()), "scene is read-only"),
         ("limits", Value::Double(1.0), "there is no parameter `limits`: there are limits.clamp,"),
         ("stale_after", Value::Double(f64::NAN), "cannot be NaN"),
@@ -96,6 +97,8 @@ fn values_at_the_start_are_none_that_the_solver_is_told_of_as_changes() {
     assert_eq!(told.len(), 1);
     assert!(told[0].starts_with("p.yaml:1: there is no parameter `a`: there are "), "{told:?}");
     assert!(!store.live().merge, "the later value counts");
+    assert_eq!(store.start_with(&[one("use_sim_time", Value::Bool(true))]), Ok(Vec::new()));
+    assert!(store.live().use_sim_time);
     assert_eq!(store.changes().take(), None);
     let bad = store.start_with(&[one("merge", Value::Integer(1))]).unwrap_err().to_string();
     assert_eq!(bad, "p.yaml:5: merge is of type bool, not integer");
