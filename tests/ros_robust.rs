@@ -1,0 +1,122 @@
+//! What rigs and subscribers do wrong, and how the program takes it.
+#![cfg(feature = "ros")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test may panic, and its capture keeps what it prints until then"
+)]
+
+#[path = "common/network.rs"]
+mod network;
+#[path = "common/program.rs"]
+mod program;
+#[path = "common/python.rs"]
+mod python;
+
+use std::fs;
+use std::path::Path;
+
+use graintwin::command::Disposition;
+use network::{Loopback, alone};
+use program::{Program, Rig, Sent};
+use serde_json::{Value, json};
+
+/// A grain between six walls that it touches: the fastest twin with forces.
+const ONE_GRAIN: &str = "
+pack: {file: grain.csv, box: {min: [-1.0e-3, -1.0e-3, -1.0e-3], max: [1.0e-3, 1.0e-3, 1.0e-3]}}
+";
+
+/// A pack that is slower than a rig can be.
+const SMALL: &str = "
+pack: {generate: {grains: 60, radius: {uniform: [0.07e-3, 0.13e-3]}, material: glass,
+                  confining_stress: 1.0e6}}
+";
+
+/// Runs `body` alone with a Python that speaks `CycloneDDS` and a folder with `scene.yaml`.
+fn alone_with_scene<T: Fn()>(test: T, scene: &str, body: impl FnOnce(&Path, &Path)) {
+    let Some(python) = python::python() else { return };
+    alone(test, Loopback::Multicast, || {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("scene.yaml"), scene).unwrap();
+        fs::write(
+            folder.path().join("grain.csv"),
+            "x,y,z,radius,young,poisson,density,friction\n0,0,0,1.00001e-3,70e9,0.2,2500,0\n",
+        )
+        .unwrap();
+        body(&python, folder.path());
+    });
+}
+
+/// Displacements with the upper wall at `way` \[m\].
+fn ram(way: f64) -> [f64; 6] {
+    [0.0, 0.0, 0.0, 0.0, 0.0, way]
+}
+
+/// Absolute commands of `session` that take the upper wall `step` \[m\] further each.
+fn path(session: &str, count: u64, step: f64) -> Vec<Sent<'_>> {
+    (1..=count).map(|sequence| (session, sequence, 0, ram(sequence as f64 * step))).collect()
+}
+
+/// Where the upper wall was in each message of `~/wall_forces`.
+fn ways(forces: &[Value]) -> Vec<f64> {
+    forces.iter().map(|forces| forces["displacement"][5].as_f64().unwrap()).collect()
+}
+
+/// Sequence and disposition of each report but that of the start.
+fn answers(reports: &[Value]) -> Vec<(u64, u64)> {
+    let number = |report: &Value, key: &str| report[key].as_u64().unwrap();
+    reports
+        .iter()
+        .filter(|report| number(report, "sequence") > 0)
+        .map(|report| (number(report, "sequence"), number(report, "disposition")))
+        .collect()
+}
+
+const APPLIED: u64 = Disposition::Applied as u64;
+
+/// The start and a burst of 10 000 commands, sent as fast as a rig can.
+const BURST: u64 = 10_000;
+
+/// Has a burst served; returns the messages of `~/wall_forces` and the summary.
+fn burst(python: &Path, folder: &Path, step: f64) -> (Vec<Value>, Value) {
+    let program = Program::start(folder, "run", &[]);
+    let mut rig = Rig::start(python, &["report", "wall_forces"]);
+    rig.send(&path("burst", BURST, step), 0.0);
+    assert_eq!(rig.wait("report", 1 + BURST as usize), 1 + BURST as usize);
+    let reports = rig.told("report");
+    let expected: Vec<(u64, u64)> = (1..=BURST).map(|sequence| (sequence, APPLIED)).collect();
+    assert!(answers(&reports) == expected, "one report for each command, in order");
+    let forces = rig.told("wall_forces");
+    assert_eq!(*ways(&forces).last().unwrap(), BURST as f64 * step);
+    let (ended, summary) = program.terminate();
+    assert!(ended.success(), "{summary}");
+    assert_eq!(summary["commands"], json!({"APPLIED": BURST}));
+    (forces, summary)
+}
+
+#[test]
+fn each_of_10_000_commands_at_once_is_an_increment_with_one_report_in_order() {
+    alone_with_scene(
+        each_of_10_000_commands_at_once_is_an_increment_with_one_report_in_order,
+        ONE_GRAIN,
+        |python, folder| {
+            let (forces, summary) = burst(python, folder, 1e-12);
+            assert_eq!(forces.len() as u64, 1 + BURST);
+            assert_eq!(summary["increments"], BURST);
+        },
+    );
+}
+
+#[test]
+fn of_10_000_commands_at_once_a_slow_twin_that_merges_makes_fewer_increments_and_as_many_reports() {
+    alone_with_scene(
+        of_10_000_commands_at_once_a_slow_twin_that_merges_makes_fewer_increments_and_as_many_reports,
+        &format!("{SMALL}node: {{late: merge}}\n"),
+        |python, folder| {
+            let (forces, summary) = burst(python, folder, 1e-12);
+            let increments = summary["increments"].as_u64().unwrap();
+            assert!(increments < BURST / 2, "{increments}");
+            assert_eq!(forces.len() as u64, 1 + increments);
+        },
+    );
+}
