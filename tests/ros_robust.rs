@@ -120,3 +120,57 @@ fn of_10_000_commands_at_once_a_slow_twin_that_merges_makes_fewer_increments_and
         },
     );
 }
+
+/// How long a rig sends 1000 commands a second \[s\], unless the variable says otherwise: ten
+/// seconds are ten thousand commands, and a rig goes on for hours.
+const STEADY: u64 = 10;
+const STEADY_VARIABLE: &str = "GRAINTWIN_TEST_STEADY_SECONDS";
+
+/// Commands after which everything that keeps the last ones is full: DDS keeps 20 000 that came.
+const FILLED: usize = 24_000;
+
+/// Characters of the session. A command or a report that is not freed takes that much memory.
+const SESSION: usize = 2000;
+
+#[test]
+fn a_thousand_commands_a_second_are_all_served_in_memory_that_does_not_grow() {
+    alone_with_scene(
+        a_thousand_commands_a_second_are_all_served_in_memory_that_does_not_grow,
+        ONE_GRAIN,
+        |python, folder| {
+            let seconds = std::env::var(STEADY_VARIABLE)
+                .map_or(STEADY, |seconds| seconds.parse().expect("whole seconds"));
+            let program = Program::start(folder, "run", &[]);
+            let mut rig = Rig::start(python, &["report"]);
+            let session = "s".repeat(SESSION);
+            let commands = path(&session, FILLED as u64 + 1000 * seconds, 1e-13);
+            let (filling, steady) = commands.split_at(FILLED);
+            let mut answered = 1;
+            for some in filling.chunks(1000) {
+                rig.send(some, 0.0);
+                answered += some.len();
+                assert_eq!(rig.wait("report", answered), answered);
+            }
+            let memory: Vec<u64> = steady
+                .chunks(1000)
+                .map(|second| {
+                    rig.send(second, 1e-3);
+                    program.memory("VmRSS")
+                })
+                .collect();
+            println!("VmRSS, KiB: {memory:?}");
+            let all = 1 + commands.len();
+            assert_eq!(rig.wait("report", all), all);
+            let told = rig.told("report");
+            assert!(answers(&told).iter().map(|answer| answer.0).eq(1..all as u64), "in order");
+
+            let after_a_third = memory[memory.len() / 3];
+            let since = (memory.len() - 1 - memory.len() / 3) * 1000;
+            let leak = (since * SESSION / 1024) as u64;
+            let grown = memory[memory.len() - 1].saturating_sub(after_a_third);
+            assert!(grown < leak / 2, "{grown} KiB more, {leak} KiB were one message a command");
+            let (ended, summary) = program.terminate();
+            assert!(ended.success(), "{summary}");
+        },
+    );
+}

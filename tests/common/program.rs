@@ -121,10 +121,10 @@ impl Rig {
         self.heard()
     }
 
-    /// Publishes `commands`, one in `period` seconds or as fast as it can. Returns how many were
-    /// late.
-    pub(crate) fn send(&mut self, commands: &[Sent<'_>], period: f64) -> u64 {
-        self.ask(&json!({"send": commands, "period": period}))["late"].as_u64().unwrap()
+    /// Publishes `commands`, one in `period` seconds or as fast as it can.
+    pub(crate) fn send(&mut self, commands: &[Sent<'_>], period: f64) {
+        self.begin(commands, period);
+        self.sent();
     }
 
     /// Begins to publish `commands`; [`Rig::sent`] waits until that is done.
