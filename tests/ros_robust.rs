@@ -13,64 +13,17 @@ mod program;
 #[path = "common/python.rs"]
 mod python;
 
-use std::fs;
 use std::path::Path;
 
 use graintwin::command::Disposition;
-use network::{Loopback, alone};
-use program::{Program, Rig, Sent};
+use program::{ONE_GRAIN, Program, Rig, Sent, alone_with_scene, answers, path, ways};
 use serde_json::{Value, json};
-
-/// A grain between six walls that it touches: the fastest twin with forces.
-const ONE_GRAIN: &str = "
-pack: {file: grain.csv, box: {min: [-1.0e-3, -1.0e-3, -1.0e-3], max: [1.0e-3, 1.0e-3, 1.0e-3]}}
-";
 
 /// A pack that is slower than a rig can be.
 const SMALL: &str = "
 pack: {generate: {grains: 60, radius: {uniform: [0.07e-3, 0.13e-3]}, material: glass,
                   confining_stress: 1.0e6}}
 ";
-
-/// Runs `body` alone with a Python that speaks `CycloneDDS` and a folder with `scene.yaml`.
-fn alone_with_scene<T: Fn()>(test: T, scene: &str, body: impl FnOnce(&Path, &Path)) {
-    let Some(python) = python::python() else { return };
-    alone(test, Loopback::Multicast, || {
-        let folder = tempfile::tempdir().unwrap();
-        fs::write(folder.path().join("scene.yaml"), scene).unwrap();
-        fs::write(
-            folder.path().join("grain.csv"),
-            "x,y,z,radius,young,poisson,density,friction\n0,0,0,1.00001e-3,70e9,0.2,2500,0\n",
-        )
-        .unwrap();
-        body(&python, folder.path());
-    });
-}
-
-/// Displacements with the upper wall at `way` \[m\].
-fn ram(way: f64) -> [f64; 6] {
-    [0.0, 0.0, 0.0, 0.0, 0.0, way]
-}
-
-/// Absolute commands of `session` that take the upper wall `step` \[m\] further each.
-fn path(session: &str, count: u64, step: f64) -> Vec<Sent<'_>> {
-    (1..=count).map(|sequence| (session, sequence, 0, ram(sequence as f64 * step))).collect()
-}
-
-/// Where the upper wall was in each message of `~/wall_forces`.
-fn ways(forces: &[Value]) -> Vec<f64> {
-    forces.iter().map(|forces| forces["displacement"][5].as_f64().unwrap()).collect()
-}
-
-/// Sequence and disposition of each report but that of the start.
-fn answers(reports: &[Value]) -> Vec<(u64, u64)> {
-    let number = |report: &Value, key: &str| report[key].as_u64().unwrap();
-    reports
-        .iter()
-        .filter(|report| number(report, "sequence") > 0)
-        .map(|report| (number(report, "sequence"), number(report, "disposition")))
-        .collect()
-}
 
 const APPLIED: u64 = Disposition::Applied as u64;
 
@@ -171,6 +124,46 @@ fn a_thousand_commands_a_second_are_all_served_in_memory_that_does_not_grow() {
             assert!(grown < leak / 2, "{grown} KiB more, {leak} KiB were one message a command");
             let (ended, summary) = program.terminate();
             assert!(ended.success(), "{summary}");
+        },
+    );
+}
+
+#[test]
+fn a_subscriber_that_stops_reading_holds_nobody_up_for_longer_than_its_lease() {
+    alone_with_scene(
+        a_subscriber_that_stops_reading_holds_nobody_up_for_longer_than_its_lease,
+        ONE_GRAIN,
+        |python, folder| {
+            let program = Program::start(folder, "run", &[]);
+            let mut rig = Rig::start(python, &["report"]);
+            let mut reader = Rig::start(python, &["report", "wall_forces"]);
+            let commands = path("rig", 40_000, 1e-13);
+            let mut answered = 1;
+            let mut serve = |rig: &mut Rig, some: &[Sent<'_>]| {
+                rig.send(some, 0.0);
+                answered += some.len();
+                assert_eq!(rig.wait("report", answered), answered);
+            };
+            let t = std::time::Instant::now();
+            println!("{:?} {}", t.elapsed(), program.memory("VmRSS"));
+            for k in 0..8 {
+                serve(&mut rig, &commands[k * 1000..(k + 1) * 1000]);
+            }
+            println!("{:?} {}", t.elapsed(), program.memory("VmRSS"));
+            reader.stop();
+            for k in 8..40 {
+                serve(&mut rig, &commands[k * 1000..(k + 1) * 1000]);
+                println!("{:?} {}", t.elapsed(), program.memory("VmRSS"));
+            }
+            reader.go_on();
+            let told = reader.told("report");
+            println!("{:?}, {}", t.elapsed(), told.len());
+            let extra = path("rig", 40_100, 1e-13);
+            for c in &extra[40_000..] {
+                rig.send(std::slice::from_ref(c), 0.1);
+                let n = reader.told("report").len();
+                print!("{n} ");
+            }
         },
     );
 }

@@ -8,6 +8,54 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, ExitStatus, Stdio};
 
 use serde_json::{Value, json};
 
+use crate::network::{Loopback, alone};
+use crate::python;
+
+/// A grain between six walls that it touches: the fastest twin with forces.
+pub(crate) const ONE_GRAIN: &str = "
+pack: {file: grain.csv, box: {min: [-1.0e-3, -1.0e-3, -1.0e-3], max: [1.0e-3, 1.0e-3, 1.0e-3]}}
+";
+
+/// Runs `body` alone with a Python that speaks `CycloneDDS` and a folder with `scene.yaml`.
+pub(crate) fn alone_with_scene<T: Fn()>(test: T, scene: &str, body: impl FnOnce(&Path, &Path)) {
+    let Some(python) = python::python() else { return };
+    alone(test, Loopback::Multicast, || {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("scene.yaml"), scene).unwrap();
+        fs::write(
+            folder.path().join("grain.csv"),
+            "x,y,z,radius,young,poisson,density,friction\n0,0,0,1.00001e-3,70e9,0.2,2500,0\n",
+        )
+        .unwrap();
+        body(&python, folder.path());
+    });
+}
+
+/// Displacements with the upper wall at `way` \[m\].
+pub(crate) fn ram(way: f64) -> [f64; 6] {
+    [0.0, 0.0, 0.0, 0.0, 0.0, way]
+}
+
+/// Absolute commands of `session` that take the upper wall `step` \[m\] further each.
+pub(crate) fn path(session: &str, count: u64, step: f64) -> Vec<Sent<'_>> {
+    (1..=count).map(|sequence| (session, sequence, 0, ram(sequence as f64 * step))).collect()
+}
+
+/// Where the upper wall was in each message of `~/wall_forces`.
+pub(crate) fn ways(forces: &[Value]) -> Vec<f64> {
+    forces.iter().map(|forces| forces["displacement"][5].as_f64().unwrap()).collect()
+}
+
+/// Sequence and disposition of each report but that of the start.
+pub(crate) fn answers(reports: &[Value]) -> Vec<(u64, u64)> {
+    let number = |report: &Value, key: &str| report[key].as_u64().unwrap();
+    reports
+        .iter()
+        .filter(|report| number(report, "sequence") > 0)
+        .map(|report| (number(report, "sequence"), number(report, "disposition")))
+        .collect()
+}
+
 /// The program serving `scene.yaml` of a folder, killed when a test gives up.
 pub(crate) struct Program {
     child: Child,
