@@ -13,12 +13,11 @@ mod program;
 #[path = "common/python.rs"]
 mod python;
 
-use std::fs;
 use std::path::Path;
 use std::process::Command;
 
 use graintwin::command::Disposition;
-use program::{ONE_GRAIN, Program, Rig, Sent, alone_with_scene, answers, path, ram, ways};
+use program::{ONE_GRAIN, Program, Rig, alone_with_scene, answers, path, ram, ways};
 use serde_json::json;
 
 const ABSOLUTE: u8 = 0;
@@ -209,78 +208,6 @@ fn messages_of_another_type_or_cut_short_are_told_and_leave_the_commands_alone()
             let (ended, summary) = program.terminate();
             assert_eq!(summary["node"]["unreadable"], 60);
             assert_eq!(ended.code(), Some(3));
-        },
-    );
-}
-
-/// A frictional pack under displacements; services in the peer's mapping.
-const FRICTIONAL: &str = "
-pack: {generate: {grains: 60, radius: {uniform: [0.07e-3, 0.13e-3]}, material: glass,
-                  confining_stress: 1.0e7}}
-contact: {friction: {coefficient: 0.3}}
-node: {service_mapping: cyclone}
-";
-
-#[test]
-fn a_program_that_was_killed_goes_on_from_the_saved_pack_to_the_bits_of_an_undisturbed_run() {
-    alone_with_scene(
-        a_program_that_was_killed_goes_on_from_the_saved_pack_to_the_bits_of_an_undisturbed_run,
-        FRICTIONAL,
-        |python, folder| {
-            // Absolute commands, and the walls after the last of them, in each message.
-            let step = |k: u64| (k as f64) * 64.0 * STEP;
-            let commands: Vec<Sent<'_>> = (1..=20)
-                .map(|k| ("rig", k, ABSOLUTE, [step(k), 0.0, -step(k), 0.0, step(k), step(2 * k)]))
-                .collect();
-            let undisturbed = {
-                let program = Program::start(folder, "undisturbed", &[]);
-                let mut rig = Rig::start(python, &["report", "wall_forces"]);
-                rig.send(&commands, 0.0);
-                rig.wait("wall_forces", 21);
-                program.terminate();
-                rig.told("wall_forces")
-            };
-
-            let program = Program::start(folder, "killed", &["--record", "bag"]);
-            let mut rig = Rig::start(python, &["report", "wall_forces"]);
-            rig.send(&commands[..10], 0.0);
-            rig.wait("report", 11);
-            let answer = rig.call("save_pack", &json!({"path": "saved.csv"}));
-            assert_eq!(answer["success"], true, "{answer}");
-            rig.send(&commands[10..], 0.02);
-            rig.wait("report", 15);
-            program.kill();
-            drop(rig);
-
-            let scene = FRICTIONAL.split_once("contact:").unwrap().1;
-            fs::write(
-                folder.join("scene.yaml"),
-                format!("pack: {{file: saved.csv}}\ncontact:{scene}"),
-            )
-            .unwrap();
-            let program = Program::start(folder, "restarted", &[]);
-            let mut rig = Rig::start(python, &["report", "wall_forces", "state"]);
-            // Displacements count from the start of the run: those of the save are taken off.
-            let saved_at = commands[9].3;
-            let rest: Vec<Sent<'_>> = commands[10..]
-                .iter()
-                .map(|&(_, sequence, mode, way)| {
-                    ("again", sequence, mode, std::array::from_fn(|w| way[w] - saved_at[w]))
-                })
-                .collect();
-            rig.send(&rest, 0.0);
-            rig.wait("wall_forces", 11);
-            let again = rig.told("wall_forces");
-            let state = rig.told("state");
-            let (ended, summary) = program.terminate();
-            assert!(ended.success(), "{summary}");
-            assert_eq!(state[0]["iterations"], 0, "an equilibrium as it was saved");
-            for (again, before) in again.iter().zip(&undisturbed[10..]) {
-                println!(
-                    "{} {}\n{}",
-                    again["increment"], again["normal_force"], before["normal_force"]
-                );
-            }
         },
     );
 }
