@@ -54,6 +54,7 @@ mod participant;
 pub mod rig;
 pub mod rosout;
 mod services;
+mod strangers;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -233,7 +234,11 @@ impl Node {
         let intake =
             Intakes { queue: commands_in, counters: Arc::clone(&counters), clock: clock.clone() };
         let Subscriptions { sources, cells, clock: times, services } = subscriptions;
-        let mut tasks = vec![runtime.spawn(clock::follow(times, clock.clone()))];
+        let watched = strangers::watched(&identity, options);
+        let mut tasks = vec![
+            runtime.spawn(clock::follow(times, clock.clone())),
+            runtime.spawn(strangers::warn(context.clone(), watched)),
+        ];
         tasks.extend(services.start(&runtime, &intake.queue, &counters));
         let receiving = receive(&runtime, sources, options, intake);
         let end_of_commands =

@@ -205,6 +205,8 @@ fn messages_of_another_type_or_cut_short_are_told_and_leave_the_commands_alone()
             assert_eq!(answers(&rig.told("report")), [1, 2, 3, 4, 5].map(|k| (k, APPLIED)));
             assert_eq!(ways(&rig.told("wall_forces")).last(), Some(&(5.0 * STEP)));
             assert_eq!(log.matches("its bytes are no BoundaryCommand").count(), 60, "{log}");
+            let told = "a peer has type std_msgs/msg/String for /graintwin/boundary_command";
+            assert_eq!(log.matches(told).count(), 1, "{log}");
             let (ended, summary) = program.terminate();
             assert_eq!(summary["node"]["unreadable"], 60);
             assert_eq!(ended.code(), Some(3));

@@ -208,7 +208,7 @@ pub(super) fn subscribe<M: 'static>(
 }
 
 /// The full name of a topic on the network.
-fn live_name(identity: &Identity, topic: &Topic) -> String {
+pub(super) fn live_name(identity: &Identity, topic: &Topic) -> String {
     match topic.name.starts_with('/') {
         true => identity.resolve(topic.name),
         false => identity.resolve(&format!("~/{}", topic.name)),
