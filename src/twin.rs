@@ -303,8 +303,8 @@ impl Twin {
                 outcome.iterations
             ),
             Status::Unstable if crept > 0.0 => format!(
-                "no equilibrium carries the loads: residual {residual:.1e}, {tolerance:.1e} asked, \
-                 after the walls yielded by a strain of {crept:.2e}"
+                "no equilibrium carries the loads: the walls yielded by a strain of {crept:.2e} \
+                 without finding one"
             ),
             Status::Unstable => format!(
                 "unstable: residual {residual:.1e} after {} legs of overdamped flow, \

@@ -120,7 +120,12 @@ fn after_a_reset_state_and_answers_are_those_of_a_new_twin_bit_by_bit() {
     moved.go(by_strain(&pack().bounds, [1e-3, -1e-3, 5e-4]));
     let remembers = moved.twin.pack();
     assert!(remembers.history.as_ref().is_some_and(|history| !history.contacts.is_empty()));
-    for (scene, pack) in [(scene(), pack()), (frictional(), pack()), (frictional(), &remembers)] {
+    // The fourth brings its walls to a load at the start.
+    let text = "pack: {file: none.csv}\nwalls: {targets: {z_max: {stress: 2.0e6}}}";
+    let loaded = scene::parse(text, Path::new("scene.yaml")).unwrap();
+    for (scene, pack) in
+        [(scene(), pack()), (frictional(), pack()), (frictional(), &remembers), (loaded, pack())]
+    {
         let (mut rig, first) = Rig::start(&scene, pack);
         let start = whole(&rig.twin);
         let path = [small(), by_strain(&pack.bounds, [1e-4, -1e-4, 2e-4])];

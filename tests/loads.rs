@@ -223,6 +223,21 @@ fn a_pack_that_yields_ends_where_the_loads_are_carried() {
 }
 
 #[test]
+fn a_wall_that_touches_nothing_comes_in_until_it_carries_its_load() {
+    let (mut rig, _) = Rig::start(&scene_to(1e-12), &ball());
+    rig.go([1e-6, 1e-6, 1e-6, -1e-5, 1e-6, 1e-6]);
+    let measures = go(&mut rig, [KEEP, KEEP, KEEP, WallTarget::Force(2.0), KEEP, KEEP]);
+    close("force", measures.walls.normal_force[3], 2.0, 1e-12);
+    close("way", measures.walls.displacement[3], 2.0 * hertz(2.0) - 1e-6, 1e-9);
+    // Further away than a wall may yield in one command: refused, and nothing has moved.
+    go(&mut rig, [KEEP, KEEP, KEEP, WallTarget::Displacement(-5e-4), KEEP, KEEP]);
+    let before = bits(&rig.twin.pack());
+    let report = ask(&mut rig, [KEEP, KEEP, KEEP, WallTarget::Force(2.0), KEEP, KEEP]);
+    assert_eq!(report.disposition, Disposition::NotConverged, "{}", report.text);
+    assert_eq!(bits(&rig.twin.pack()), before);
+}
+
+#[test]
 fn what_cannot_be_carried_is_refused_and_the_state_kept() {
     let (mut rig, _) = Rig::start(&scene(), &ball());
     rig.go([1e-6; 6]);

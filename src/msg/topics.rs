@@ -70,6 +70,15 @@ impl Topic {
         self
     }
 
+    /// The name before anything is remapped: `~/wall_forces`, or absolute, as `/tf_static`.
+    #[must_use]
+    pub fn graph_name(&self) -> String {
+        match self.name.starts_with('/') {
+            true => self.name.into(),
+            false => format!("~/{}", self.name),
+        }
+    }
+
     /// The name in a recording: `/graintwin/wall_forces`.
     #[must_use]
     pub fn recorded_name(&self) -> String {

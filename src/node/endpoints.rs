@@ -157,7 +157,7 @@ impl<M: Serialize> Out<M> {
         identity: &Identity,
         topic: &'static Topic,
     ) -> Result<Self, NodeError> {
-        let name = live_name(identity, topic);
+        let name = identity.resolve(&topic.graph_name());
         let (dds_topic, qos) = create_topic(node, &name, topic)?;
         let publisher = node
             .create_publisher(&dds_topic, Some(qos))
@@ -202,17 +202,9 @@ pub(super) fn subscribe<M: 'static>(
     identity: &Identity,
     topic: &Topic,
 ) -> Result<Subscription<M>, NodeError> {
-    let name = live_name(identity, topic);
+    let name = identity.resolve(&topic.graph_name());
     let (dds_topic, qos) = create_topic(node, &name, topic)?;
     node.create_subscription(&dds_topic, Some(qos)).map_err(|error| endpoint_error(&name, &error))
-}
-
-/// The full name of a topic on the network.
-pub(super) fn live_name(identity: &Identity, topic: &Topic) -> String {
-    match topic.name.starts_with('/') {
-        true => identity.resolve(topic.name),
-        false => identity.resolve(&format!("~/{}", topic.name)),
-    }
 }
 
 fn create_topic(

@@ -131,7 +131,9 @@ impl Health {
                 self.hold_asked.store(*on, Ordering::Relaxed);
                 self.last_held.fetch_and(*on, Ordering::Relaxed);
             }
-            Request::Reset | Request::ResetFaults => {
+            // A fault that holds is kept.
+            Request::Reset => self.failing.store(0, Ordering::Relaxed),
+            Request::ResetFaults => {
                 self.last_held.store(false, Ordering::Relaxed);
                 self.failing.store(0, Ordering::Relaxed);
             }

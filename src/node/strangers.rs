@@ -7,7 +7,6 @@ use std::time::Duration;
 use ros2_client::Context;
 use tokio::time::interval;
 
-use super::endpoints::live_name;
 use super::names::Identity;
 use crate::msg::{MessageType, topics};
 use crate::scene;
@@ -23,7 +22,7 @@ pub(super) fn watched(
     let mut watched = vec![&topics::BOUNDARY_COMMAND, &topics::WALL_TARGETS];
     watched.extend(options.joint_states.as_ref().map(|_| &topics::JOINT_STATES));
     watched.extend(options.joint_trajectory.as_ref().map(|_| &topics::JOINT_TRAJECTORY));
-    watched.into_iter().map(|topic| (live_name(identity, topic), topic.kind)).collect()
+    watched.into_iter().map(|topic| (identity.resolve(&topic.graph_name()), topic.kind)).collect()
 }
 
 /// Warns once of every other type on one of the `watched` topics.

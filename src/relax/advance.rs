@@ -21,10 +21,12 @@ const HALVINGS: u32 = 6;
 const RENEWALS: u32 = 3;
 /// Walls under loads may go this many times as far in a sub-increment as those that are moved.
 const STRETCH: f64 = 4.0;
-/// Halvings after which walls creep whose loads find no equilibrium nearby.
+/// Halvings after which walls creep whose loads find no equilibrium nearby, the first time.
 const YIELDS: u32 = 2;
 /// Most times that they do so in one increment.
 const MOST_CREEPS: u32 = 300;
+/// A load that is less than this share of the one asked for is as good as none.
+const LITTLE: f64 = 0.1;
 
 /// What an increment came to.
 #[derive(Clone, Debug)]
@@ -76,7 +78,7 @@ pub fn advance(
     let mut forces = walls::normal_forces(model, state, &work.neighbours);
     let goal = Drive::of(setpoint);
     let mut drives = present(&goal, &forces, &state.bounds(model));
-    let mut creeps = 0;
+    let (mut crept, mut creeps) = (false, 0);
     loop {
         let target = standing_target(setpoint, state);
         let arrived = state.displacement == target && drives == goal;
@@ -89,7 +91,8 @@ pub fn advance(
         let parts = (ratio * (1.0 - ROUNDING)).ceil().max(1.0);
         let mut share = 1.0 / parts;
         last.copy_from(state);
-        let mut crept = false;
+        let patience = if crept { 0 } else { YIELDS };
+        crept = false;
         for attempt in 0.. {
             work.begin(model, state);
             work.jumps.clear();
@@ -102,7 +105,7 @@ pub fn advance(
             }
             let mut outcome = solve(model, state, work);
             let lost = matches!(outcome.status, Status::Unstable | Status::Stalled);
-            if lost && !goal.is_empty() && attempt >= YIELDS && creeps < MOST_CREEPS {
+            if lost && !goal.is_empty() && attempt >= patience && creeps < MOST_CREEPS {
                 state.copy_from(&last);
                 outcome = creep(model, state, work, &target, (share, limit));
                 crept = true;
@@ -191,7 +194,8 @@ fn remaining_load(model: &Model, drives: &[Drive], goal: &[Drive], here: &Outcom
     let overlap_strain = here.sums.mean_overlap() / (2.0 * model.mean_radius);
     let change = |(now, goal): (&Drive, &Drive)| {
         let [now, goal] = [now.load, goal.load].map(|load| load.force(1.0));
-        if now == goal { 0.0 } else { (goal - now).abs() / now.max(f64::MIN_POSITIVE) }
+        // From next to nothing the law says nothing.
+        if now == goal { 0.0 } else { (goal - now).abs() / now.max(LITTLE * goal) }
     };
     let most = drives.iter().zip(goal).map(change).fold(0.0, f64::max);
     if overlap_strain == 0.0 { 0.0 } else { 2.0 / 3.0 * most * overlap_strain }

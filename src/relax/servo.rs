@@ -38,6 +38,10 @@ const LEAST_STRAIN: f64 = 1e-9;
 /// Reduction of the residual that is asked of the response to a drive, and most products of it.
 const FORCING: f64 = 0.05;
 const MOST_PRODUCTS: u32 = 400;
+/// An eigenvalue of S that is this share of the largest is none.
+const SOFT: f64 = 1e-9;
+/// Longest step that is looked for, over the longest that is taken.
+const FAR: f64 = 1e3;
 /// Share of the unbalanced load that a step may leave before the response is renewed.
 const SLOW: f64 = 0.05;
 
@@ -321,16 +325,18 @@ fn wall_step(servo: &Servo, left: &Vector3<f64>, bounds: &Bounds) -> ([f64; 3], 
     let symmetric = 0.5 * (servo.stiffness + servo.stiffness.transpose());
     let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(symmetric);
     let largest = eigenvalues.amax();
+    let sides = bounds.sides();
+    // What does not resist at all is far from its balance; how far does not matter.
+    let far = FAR * servo.most_strain * Vector3::from(sides).amax();
+    let least = (SOFT * largest).max(left.norm() / far).max(f64::MIN_POSITIVE);
     let mut step = Vector3::zeros();
     let mut motion = Motion::Newton;
     for (value, direction) in eigenvalues.iter().zip(eigenvectors.column_iter()) {
-        if *value <= 1e-9 * largest {
+        if *value <= SOFT * largest {
             motion = Motion::Yielding;
         }
-        let stiffness = value.abs().max(1e-9 * largest).max(f64::MIN_POSITIVE);
-        step -= direction * (direction.dot(left) / stiffness);
+        step -= direction * (direction.dot(left) / value.abs().max(least));
     }
-    let sides = bounds.sides();
     let strain =
         (0..count).map(|a| step[a].abs() / sides[servo.drives[a].axis]).fold(0.0, f64::max);
     if strain > servo.most_strain {

@@ -12,6 +12,9 @@ const LEAST_SIDE: f64 = 0.5;
 const MOST_SIDE: f64 = 2.0;
 /// What stopped at a limit may come out beyond it by rounding.
 const ROUNDING: f64 = 1e-12;
+/// An equilibrium tells a force up to the solver's tolerance: a wall that carries as much as is
+/// allowed may come out beyond it by this share.
+const SLACK: f64 = 1e-6;
 /// Names of the axes.
 const AXES: [char; 3] = ['x', 'y', 'z'];
 
@@ -179,7 +182,7 @@ impl Gate {
         after: &Stand,
     ) -> Option<String> {
         let force = self.limits.force;
-        let most = |w: usize| force.max(before.force[w]) * (1.0 + ROUNDING);
+        let most = |w: usize| force.max(before.force[w]) * (1.0 + SLACK);
         if force > 0.0
             && let Some(w) = (0..wall::COUNT).find(|&w| after.force[w] > most(w))
         {

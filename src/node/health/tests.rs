@@ -75,6 +75,7 @@ fn a_hold_lasts_until_it_is_let_go() {
     assert!(!held(&health));
     // A fault holds without being asked.
     health.served(&served(Disposition::Held, None));
+    health.done(&Request::Reset);
     assert!(held(&health));
     health.done(&Request::ResetFaults);
     assert!(!held(&health));
