@@ -54,6 +54,7 @@ mod participant;
 pub mod rig;
 pub mod rosout;
 mod services;
+mod strangers;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -229,7 +230,8 @@ impl Node {
         let intake =
             Intakes { queue: commands_in, counters: Arc::clone(&counters), clock: clock.clone() };
         let Subscriptions { sources, cells, clock: times, services } = subscriptions;
-        let mut tasks = Vec::new();
+        let watched = strangers::watched(&identity, options);
+        let mut tasks = vec![runtime.spawn(strangers::warn(context.clone(), watched))];
         tasks.extend(times.map(|times| runtime.spawn(clock::follow(times, clock.clone()))));
         tasks.extend(services.start(&runtime, &intake.queue, &counters));
         let receiving = receive(&runtime, sources, options, intake);

@@ -212,7 +212,7 @@ impl Twin {
                 let gone = self.go(&order, self.gate.limits().clamp);
                 self.conclude(command, order, gone, demand)
             }
-            Decision::Repeat => self.repeat(report),
+            Decision::Repeat(last) => repeat(report, last.map(|last| *last)),
             Decision::Refuse(disposition, text) => {
                 let report = Report { disposition, text, ..report };
                 if disposition == Disposition::Limit {
@@ -279,18 +279,6 @@ impl Twin {
         self.gate.served(command, Some(setpoint), self.state.displacement, &report);
         report.measures = Some(self.measure(command.stamp, &reached, demand));
         report
-    }
-
-    /// The answer to a command that was served before.
-    fn repeat(&self, report: Report) -> Report {
-        match self.gate.last_report() {
-            Some(last) => Report {
-                disposition: Disposition::Duplicate,
-                text: join(&format!("served before: {:?}", last.disposition), &last.text),
-                ..last.clone()
-            },
-            None => report,
-        }
     }
 
     /// One sentence about a relaxation that failed.
@@ -437,6 +425,19 @@ impl Twin {
 /// Whether walls shall carry loads that the scene's method cannot balance.
 fn loads_need_newton(model: &Model, setpoint: &Setpoint) -> bool {
     model.solver.method != Method::Newton && setpoint.iter().any(|wall| wall.load().is_some())
+}
+
+/// The answer to a command that was served before, with its report then.
+fn repeat(report: Report, last: Option<Report>) -> Report {
+    let disposition = Disposition::Duplicate;
+    match last {
+        Some(last) => Report {
+            disposition,
+            text: join(&format!("served before: {:?}", last.disposition), &last.text),
+            ..last
+        },
+        None => Report { disposition, text: "served before".into(), ..report },
+    }
 }
 
 const LOADS_NEED_NEWTON: &str = "walls under loads need solver.method newton";

@@ -136,6 +136,30 @@ fn a_lower_sequence_is_out_of_order_until_a_new_session() {
 }
 
 #[test]
+fn two_sessions_in_turn_have_a_sequence_each() {
+    let mut rig = rig();
+    let step = small().map(|d| 0.25 * d);
+    let of = |session: &str, command: Command| Command { session: session.into(), ..command };
+    let first = apply(&mut rig, &of("a", increment(1, step)));
+    assert_eq!((first.disposition, first.increment), (Disposition::Applied, 1));
+    apply(&mut rig, &of("b", increment(7, step)));
+    // Each is sent again, and moves nothing again; the answer is its own.
+    let again = refused(&mut rig, &of("a", increment(1, step)), Disposition::Duplicate);
+    assert_eq!(again.increment, 1);
+    let again = refused(&mut rig, &of("b", increment(7, step)), Disposition::Duplicate);
+    assert_eq!(again.increment, 2);
+    refused(&mut rig, &of("b", increment(6, step)), Disposition::OutOfOrder);
+    refused(&mut rig, &of("a", increment(3, step)), Disposition::Gap);
+    assert_eq!(apply(&mut rig, &of("a", increment(2, step))).disposition, Disposition::Applied);
+    assert!(sent_to(&rig, step.map(|d| 3.0 * d)));
+    // After many others a session is forgotten, and begins anew.
+    for k in 0..16 {
+        apply(&mut rig, &of(&format!("other {k}"), increment(1, [0.0; 6])));
+    }
+    assert_eq!(apply(&mut rig, &of("a", increment(1, step))).disposition, Disposition::Applied);
+}
+
+#[test]
 fn an_absolute_command_after_a_gap_is_served_and_the_gap_reported() {
     let mut rig = rig();
     rig.go([0.0; 6]);

@@ -4,6 +4,8 @@
 mod limits;
 mod setpoint;
 
+use std::collections::VecDeque;
+
 use crate::command::{Ask, Command, Disposition, Mode, Stamp};
 use crate::report::Report;
 use crate::scene::{self, Fault, Limits};
@@ -12,12 +14,12 @@ use crate::wall::{self, Bounds, Setpoint, WallTarget};
 pub use limits::Stand;
 
 /// What the gate says to a command.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub enum Decision {
     /// The walls shall do this.
     Serve(Order),
-    /// Served before.
-    Repeat,
+    /// Served before, with the report then.
+    Repeat(Option<Box<Report>>),
     /// Refused, with the reason.
     Refuse(Disposition, String),
 }
@@ -33,6 +35,10 @@ pub struct Order {
     pub text: String,
 }
 
+/// Sessions whose sequence is remembered: rigs that speak in turn. A command of one before them
+/// begins anew.
+const SESSIONS: usize = 16;
+
 /// Remembers where the sequence stands, and what keeps commands from being served.
 #[derive(Clone, Debug)]
 pub struct Gate {
@@ -45,15 +51,22 @@ pub struct Gate {
     held: bool,
     /// What happened that must be looked at first.
     fault: Option<String>,
-    /// Session and sequence of the last command that took a place in the sequence.
-    last: Option<(String, u64)>,
+    /// Where the sequence of each session stands, the latest session first.
+    sessions: VecDeque<Place>,
     /// Session and stamp of the last command that was accepted.
     accepted: Option<(String, Stamp)>,
     /// What the walls do since then.
     now: Setpoint,
     /// Where the walls are \[m\].
     displacement: [f64; wall::COUNT],
-    /// Report of the last command that took a place in the sequence, without measures.
+}
+
+/// The last command of a session that took a place in its sequence.
+#[derive(Clone, Debug)]
+struct Place {
+    session: String,
+    sequence: u64,
+    /// Its report without measures, once there is one.
     report: Option<Report>,
 }
 
@@ -69,11 +82,10 @@ impl Gate {
             hold_after: node.hold_after.clone(),
             held: false,
             fault: None,
-            last: None,
+            sessions: VecDeque::new(),
             accepted: None,
             now: wall::standing(&displacement),
             displacement,
-            report: None,
         }
     }
 
@@ -126,14 +138,12 @@ impl Gate {
             return refuse(Disposition::Stale, text);
         }
         let mut text = String::new();
-        if let Some((session, last)) = &self.last
-            && *session == command.session
-        {
-            let sequence = command.sequence;
-            if sequence == *last {
-                return Decision::Repeat;
+        if let Some(Place { sequence: last, report, .. }) = self.place(&command.session) {
+            let (sequence, last) = (command.sequence, *last);
+            if sequence == last {
+                return Decision::Repeat(report.clone().map(Box::new));
             }
-            if sequence < *last {
+            if sequence < last {
                 let text = format!("sequence {sequence} after {last}: commands must not go back");
                 return refuse(Disposition::OutOfOrder, text);
             }
@@ -204,10 +214,8 @@ impl Gate {
 
     /// Why the command is too old; what was served before is repeated at any age.
     fn stale(&self, command: &Command) -> Option<String> {
-        let served = self
-            .last
-            .as_ref()
-            .is_some_and(|last| last.0 == command.session && last.1 >= command.sequence);
+        let place = self.place(&command.session);
+        let served = place.is_some_and(|last| last.sequence >= command.sequence);
         let age = command.age?;
         (self.stale_after > 0.0 && age > self.stale_after && !served).then(|| {
             format!("{age:.3} s old: at most {} s are allowed (node.stale_after)", self.stale_after)
@@ -223,7 +231,7 @@ impl Gate {
         displacement: [f64; wall::COUNT],
         report: &Report,
     ) {
-        self.last = Some((command.session.clone(), command.sequence));
+        self.take_place(command, Some(Report { measures: None, ..report.clone() }));
         if let Some(setpoint) = setpoint {
             self.accepted = Some((command.session.clone(), command.stamp));
             self.now = setpoint;
@@ -238,13 +246,25 @@ impl Gate {
             let Report { session, sequence, text, .. } = report;
             self.fault = Some(format!("command {sequence} of session `{session}`: {text}"));
         }
-        self.report = Some(Report { measures: None, ..report.clone() });
+    }
+
+    /// Where the sequence of `session` stands.
+    fn place(&self, session: &str) -> Option<&Place> {
+        self.sessions.iter().find(|place| place.session == session)
+    }
+
+    /// The sequence of the session of `command` stands there from now on.
+    fn take_place(&mut self, command: &Command, report: Option<Report>) {
+        self.sessions.retain(|place| place.session != command.session);
+        self.sessions.truncate(SESSIONS - 1);
+        let Command { session, sequence, .. } = command.clone();
+        self.sessions.push_front(Place { session, sequence, report });
     }
 
     /// Takes it that `command` is accepted and the walls do what `order` says.
     pub fn expect(&mut self, command: &Command, order: &Order) {
         self.displacement = self.destination(&order.setpoint);
-        self.last = Some((command.session.clone(), command.sequence));
+        self.take_place(command, None);
         self.accepted = Some((command.session.clone(), command.stamp));
         self.now = order.setpoint;
     }
@@ -253,13 +273,8 @@ impl Gate {
     pub fn forget_commands(&mut self) {
         self.displacement = [0.0; wall::COUNT];
         self.now = wall::standing(&self.displacement);
-        (self.last, self.accepted, self.report) = (None, None, None);
-    }
-
-    /// The report of the last command that took a place in the sequence.
-    #[must_use]
-    pub fn last_report(&self) -> Option<&Report> {
-        self.report.as_ref()
+        self.sessions.clear();
+        self.accepted = None;
     }
 }
 
