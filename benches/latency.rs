@@ -2,7 +2,8 @@
 //!
 //! The program serves a pack; a rig in another process sends it a command every 10 ms, which
 //! strains the pack by 1e-6 more or less than the one before, and takes the time from there to
-//! the arrival of the `~/wall_forces` of that command. Where it may, the benchmark makes a network
+//! the arrival of the `~/wall_forces` of that command, or, where the twin merges late ones, of the
+//! one that it was merged into. Where it may, the benchmark makes a network
 //! of its own; elsewhere it goes to a DDS domain that few use, on loopback.
 #![allow(
     clippy::print_stdout,
@@ -56,14 +57,16 @@ fn main() -> Result<(), Failure> {
     }
     // cargo adds arguments of its own.
     let seconds = std::env::args().skip(1).find_map(|text| text.parse().ok()).unwrap_or(SECONDS);
-    println!("grains  friction  recorder and network       p50       p99     worst  missed   of");
+    println!(
+        "grains  friction  late   recorder and network       p50       p99     worst  missed   of"
+    );
     for grains in [306, 2740] {
         let folder = tempfile::tempdir()?;
         let side = make_pack(folder.path(), grains)?;
         for friction in [false, true] {
-            write_scene(folder.path(), friction)?;
-            for busy in [false, true] {
-                eprintln!("{grains} grains, friction {friction}, recorder and network {busy}");
+            for (late, busy) in [("every", false), ("every", true), ("merge", false)] {
+                write_scene(folder.path(), friction, late)?;
+                eprintln!("{grains} grains, friction {friction}, {late}, recorder {busy}");
                 let program = Program::start(folder.path(), busy)?;
                 let mut times = Rig::new(busy)?.measure(side, seconds)?;
                 drop(program);
@@ -73,7 +76,7 @@ fn main() -> Result<(), Failure> {
                     times[rank.saturating_sub(1)]
                 };
                 println!(
-                    "{grains:>6}  {:>8}  {:>20}  {:>8.3?}  {:>8.3?}  {:>8.3?}  {:>6}  {:>3}",
+                    "{grains:>6}  {:>8}  {late:>5}  {:>20}  {:>8.3?}  {:>8.3?}  {:>8.3?}  {:>6}  {:>3}",
                     if friction { "0.3" } else { "none" },
                     if busy { "on" } else { "off" },
                     share(0.5),
@@ -135,9 +138,11 @@ fn make_pack(folder: &Path, grains: u32) -> Result<f64, Failure> {
     Ok(at("max")? - at("min")?)
 }
 
-fn write_scene(folder: &Path, friction: bool) -> Result<(), Failure> {
+fn write_scene(folder: &Path, friction: bool, late: &str) -> Result<(), Failure> {
     let friction = if friction { "{coefficient: 0.3}" } else { "none" };
-    let scene = format!("pack: {{file: pack.csv}}\ncontact: {{friction: {friction}}}\n");
+    let scene = format!(
+        "pack: {{file: pack.csv}}\ncontact: {{friction: {friction}}}\nnode: {{late: {late}}}\n"
+    );
     Ok(fs::write(folder.join("scene.yaml"), scene)?)
 }
 
@@ -265,8 +270,9 @@ async fn exchange(
             let answer =
                 timeout(limit, answers.next()).await.map_err(|_| "an answer is missing")?;
             let (answer, _) = answer.ok_or("the answers ended")??;
-            // The start has another stamp than any command.
-            if u64::from(answer.header.stamp.nanosec) == come.len() as u64 + 1 {
+            // The stamp of the start is before that of any command.
+            let answered = u64::from(answer.header.stamp.nanosec);
+            while (come.len() as u64) < answered {
                 come.push(Instant::now());
             }
         }
