@@ -7,25 +7,23 @@
     reason = "a test may panic, and its capture keeps what it prints until then"
 )]
 
+#[path = "common/joined.rs"]
+mod joined;
 #[path = "common/network.rs"]
 mod network;
 #[path = "common/python.rs"]
 mod python;
 
 use std::fs;
-use std::net::Ipv4Addr;
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus};
 use std::time::Duration;
 
 use graintwin::command::Disposition;
 use graintwin::msg::rcl;
+use joined::join;
 use network::{Loopback, alone};
-use ros2_client::dds::rustdds::DomainParticipantBuilder;
-use ros2_client::{
-    Client, Context, Message, Name, Node, NodeName, NodeOptions, QosProfile, ServiceMapping,
-    ServiceTypeName,
-};
+use ros2_client::{Client, Message, Name, Node, QosProfile, ServiceMapping, ServiceTypeName};
 use serde_json::{Value, json};
 use tokio::runtime::Builder;
 use tokio::time::timeout;
@@ -256,14 +254,7 @@ fn without_a_word_about_the_middleware_parameters_answer_in_the_common_mapping()
 
 /// Describes one parameter and sets another, as a client of `rmw_fastrtps_cpp`'s mapping.
 fn ask_in_the_common_mapping() -> (rcl::Descriptors, rcl::OneResult) {
-    let domain = std::env::var("ROS_DOMAIN_ID").map_or(0, |text| text.parse().unwrap());
-    let participant = DomainParticipantBuilder::new(domain)
-        .with_only_networks([Ipv4Addr::LOCALHOST])
-        .build()
-        .unwrap();
-    let context = Context::from_domain_participant(participant).unwrap();
-    let name = NodeName::new("/", "asker").unwrap();
-    let mut node = context.new_node(name, NodeOptions::new()).unwrap();
+    let mut node = join("asker");
     let describe = client::<rcl::Names, rcl::Descriptors>(
         &mut node,
         "describe_parameters",

@@ -7,6 +7,8 @@
     reason = "a test may panic, and its capture keeps what it prints until then"
 )]
 
+#[path = "common/joined.rs"]
+mod joined;
 #[path = "common/listener.rs"]
 mod listener;
 #[path = "common/made_up.rs"]

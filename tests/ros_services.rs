@@ -7,6 +7,8 @@
     reason = "a test may panic, and its capture keeps what it prints until then"
 )]
 
+#[path = "common/joined.rs"]
+mod joined;
 #[path = "common/made_up.rs"]
 mod made_up;
 #[path = "common/network.rs"]

@@ -13,12 +13,23 @@ use crate::wall::{self, Bounds};
 /// Normal force on each wall \[N\] and nothing else; the neighbour list must hold the contacts.
 #[must_use]
 pub fn normal_forces(model: &Model, state: &State, near: &Neighbours) -> [f64; wall::COUNT] {
-    let bounds = state.bounds(model);
+    let grains = (&*state.position, &*state.carries);
+    normal_forces_in(model, near, grains, &state.bounds(model))
+}
+
+/// The same of the grains at `position` that `carries` marks, in the box `bounds`.
+#[must_use]
+pub fn normal_forces_in(
+    model: &Model,
+    near: &Neighbours,
+    (position, carries): (&[Vec3], &[bool]),
+    bounds: &Bounds,
+) -> [f64; wall::COUNT] {
     let mut forces = [0.0; wall::COUNT];
-    for i in (0..model.len()).filter(|&i| state.carries[i]) {
+    for i in (0..model.len()).filter(|&i| carries[i]) {
         for &wall in near.walls_near(i) {
             let w = usize::from(wall);
-            let overlap = model.radius[i] - wall_gap(&state.position[i], w, &bounds);
+            let overlap = model.radius[i] - wall_gap(&position[i], w, bounds);
             if overlap > 0.0 {
                 forces[w] += hertz::force(near.wall_modulus[i], overlap);
             }

@@ -22,9 +22,9 @@
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 use crate::Vec3;
-use crate::contact::hertz;
-use crate::contact::neighbours::{Neighbours, wall_gap};
+use crate::contact::neighbours::Neighbours;
 use crate::heap;
+use crate::measure::walls;
 use crate::model::Model;
 use crate::relax::linear::Inner;
 use crate::relax::{Workspace, newton};
@@ -146,27 +146,18 @@ impl Servo {
         self.left = f64::INFINITY;
     }
 
-    /// Unbalanced loads F - f \[N\] where the grains are at `position`.
+    /// Unbalanced loads F - f \[N\]; the grains are their positions and which of them carry.
     pub(super) fn unbalance(
         &self,
         model: &Model,
         near: &Neighbours,
-        (position, carries): (&[Vec3], &[bool]),
+        grains: (&[Vec3], &[bool]),
         bounds: &Bounds,
     ) -> [f64; 3] {
         if self.drives.is_empty() {
             return [0.0; 3];
         }
-        let mut forces = [0.0; wall::COUNT];
-        for i in (0..model.len()).filter(|&i| carries[i]) {
-            for &wall in near.walls_near(i) {
-                let w = usize::from(wall);
-                let overlap = model.radius[i] - wall_gap(&position[i], w, bounds);
-                if overlap > 0.0 {
-                    forces[w] += hertz::force(near.wall_modulus[i], overlap);
-                }
-            }
-        }
+        let forces = walls::normal_forces_in(model, near, grains, bounds);
         std::array::from_fn(|a| match self.drives.get(a) {
             Some(drive) => drive.force(&forces) - drive.goal(bounds),
             None => 0.0,

@@ -1,17 +1,17 @@
 //! Another node for tests that ask one, with the middleware of the node itself.
 
 use std::future::Future;
-use std::net::Ipv4Addr;
 use std::time::Duration;
 
 use graintwin::msg::Topic;
 use graintwin::msg::services::Service;
-use ros2_client::dds::rustdds::DomainParticipantBuilder;
 use ros2_client::{
-    Client, Context, Message, MessageTypeName, Name, Node, NodeName, NodeOptions, QosProfile,
-    ServiceMapping, ServiceTypeName, Subscription,
+    Client, Message, MessageTypeName, Name, Node, QosProfile, ServiceMapping, ServiceTypeName,
+    Subscription,
 };
 use tokio::runtime::{Builder, Runtime};
+
+use crate::joined::join;
 
 /// A minute, for a machine that is busy with other things.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -24,14 +24,7 @@ pub(crate) struct Partner {
 
 impl Partner {
     pub(crate) fn new() -> Self {
-        let domain = std::env::var("ROS_DOMAIN_ID").map_or(0, |text| text.parse().unwrap());
-        let participant = DomainParticipantBuilder::new(domain)
-            .with_only_networks([Ipv4Addr::LOCALHOST])
-            .build()
-            .unwrap();
-        let context = Context::from_domain_participant(participant).unwrap();
-        let name = NodeName::new("/", "partner").unwrap();
-        let mut node = context.new_node(name, NodeOptions::new()).unwrap();
+        let mut node = join("partner");
         let runtime = Builder::new_multi_thread().worker_threads(1).enable_time().build().unwrap();
         runtime.spawn(node.spinner().unwrap().spin());
         Self { node, runtime }
