@@ -1,5 +1,7 @@
 //! What a wall shall do: stand somewhere, or carry a load.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
 use super::COUNT;
@@ -64,6 +66,15 @@ impl Load {
         match self {
             Self::Force(force) => force,
             Self::Stress(stress) => stress * area,
+        }
+    }
+}
+
+impl fmt::Display for Load {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Force(force) => write!(to, "{force:e} N"),
+            Self::Stress(stress) => write!(to, "{stress:e} Pa"),
         }
     }
 }

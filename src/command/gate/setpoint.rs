@@ -37,7 +37,7 @@ impl Gate {
                 && one != other
             {
                 return Err(format!(
-                    "{} and {} shall carry {one:?} and {other:?}: the two walls of a pair carry \
+                    "{} and {} shall carry {one} and {other}: the two walls of a pair carry \
                      the same load, or one of them stands",
                     wall::NAMES[low],
                     wall::NAMES[high]
