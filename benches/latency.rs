@@ -118,11 +118,13 @@ fn enter() -> Result<(), Failure> {
     }
 }
 
-/// Makes a pack of `grains` grains in `folder`; returns the length of its box along z \[m\].
+/// Makes a pack of `grains` grains with a coefficient of friction, which counts where the scene has
+/// friction, in `folder`; returns the length of its box along z \[m\].
 fn make_pack(folder: &Path, grains: u32) -> Result<f64, Failure> {
     let scene = format!(
         "pack: {{generate: {{grains: {grains}, radius: {{uniform: [0.07e-3, 0.13e-3]}}, \
-         material: glass, confining_stress: 10.0e6}}}}\n"
+         material: glass, confining_stress: 10.0e6}}}}\n\
+         contact: {{friction: {{coefficient: 0.3}}}}\n"
     );
     fs::write(folder.join("made.yaml"), scene)?;
     let made = Command::new(env!("CARGO_BIN_EXE_graintwin"))
@@ -157,7 +159,8 @@ impl Program {
         }
         let child = Command::new(env!("CARGO_BIN_EXE_graintwin"))
             .current_dir(folder)
-            .args(["run", "scene.yaml", "--ros", "--quiet"])
+            // The other core is the middleware's and the rig's.
+            .args(["run", "scene.yaml", "--ros", "--quiet", "--threads", "1"])
             .args(if recording { &["--record", "bag"][..] } else { &[] })
             .stdout(Stdio::null())
             .stderr(File::create(folder.join("log"))?)
