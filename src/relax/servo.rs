@@ -314,6 +314,10 @@ fn dot(one: &[Vec3], other: &[Vec3]) -> f64 {
 fn wall_step(servo: &Servo, left: &Vector3<f64>, bounds: &Bounds) -> ([f64; 3], Motion) {
     let count = servo.drives.len();
     let symmetric = 0.5 * (servo.stiffness + servo.stiffness.transpose());
+    if !symmetric.iter().chain(left).all(|number| number.is_finite()) {
+        // The search sees that the balance is none; eigenvalues would be looked for in vain.
+        return ([0.0; 3], Motion::Yielding);
+    }
     let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(symmetric);
     let largest = eigenvalues.amax();
     let sides = bounds.sides();
@@ -412,4 +416,48 @@ fn respond(model: &Model, state: &State, work: &mut Workspace, bounds: &Bounds) 
 fn difference(into: &mut Vec<Vec3>, to: &[Vec3], from: &[Vec3], shift: f64) {
     into.clear();
     into.extend(to.iter().zip(from).map(|(to, from)| (to - from) / shift));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BOX: Bounds = Bounds { min: [0.0; 3], max: [1e-3; 3] };
+
+    fn servo(stiffness: Matrix3<f64>) -> Servo {
+        let drive = |axis| Drive { axis, shares: [0.5, 0.5], load: Load::Stress(1e6) };
+        Servo { drives: vec![drive(0), drive(2)], most_strain: 1e-4, stiffness, ..Servo::default() }
+    }
+
+    #[test]
+    fn walls_go_to_the_balance_of_a_pack_that_resists() {
+        let stiffness = Matrix3::new(3e6, 1e6, 0.0, 1e6, 2e6, 0.0, 0.0, 0.0, 3e6);
+        let (step, motion) = wall_step(&servo(stiffness), &Vector3::new(-0.04, 0.01, 0.0), &BOX);
+        assert_eq!(motion, Motion::Newton);
+        // 3 x + y = 0.04, x + 2 y = -0.01, in 1e-6 m.
+        assert!((step[0] - 0.018e-6).abs() < 1e-20 && (step[1] + 0.014e-6).abs() < 1e-20);
+        assert_eq!(step[2], 0.0);
+    }
+
+    #[test]
+    fn walls_go_downhill_and_no_further_than_allowed_where_the_pack_yields() {
+        let stiffness = Matrix3::from_diagonal(&Vector3::new(3e6, -1e3, 3e6));
+        let (step, motion) = wall_step(&servo(stiffness), &Vector3::new(0.0, -0.5, 0.0), &BOX);
+        assert_eq!((motion, step[0]), (Motion::Yielding, 0.0));
+        assert!((step[1] / 1e-7 - 1.0).abs() < 1e-12, "{step:?}");
+        let nothing = Matrix3::zeros();
+        let (step, motion) = wall_step(&servo(nothing), &Vector3::new(-1.0, 0.0, 0.0), &BOX);
+        assert_eq!(motion, Motion::Yielding);
+        assert!((step[0] / 1e-7 - 1.0).abs() < 1e-12, "{step:?}");
+    }
+
+    #[test]
+    fn a_balance_that_is_none_moves_no_wall() {
+        for number in [f64::NAN, f64::INFINITY] {
+            let left = Vector3::new(1.0, number, 0.0);
+            assert_eq!(wall_step(&servo(Matrix3::identity()), &left, &BOX).0, [0.0; 3]);
+            let stiffness = Matrix3::identity() * number;
+            assert_eq!(wall_step(&servo(stiffness), &Vector3::x(), &BOX).0, [0.0; 3]);
+        }
+    }
 }
