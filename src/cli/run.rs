@@ -28,10 +28,10 @@ use super::{Cli, Failure, Outcome, output, serve, specimen, stop};
 /// Makes or loads the pack of a scene and serves commands until they end or Ctrl-C.
 ///
 /// Commands come from --commands, else from the scene's own load_path. Without either the pack is
-/// brought to equilibrium and measured. With --ros they come from the topic
-/// /graintwin/boundary_command, which --ros-args can rename; when the scene has a
-/// node.virtual_rig, or --commands is given, a rig inside the program publishes them there. At the
-/// end a summary goes to stdout.
+/// brought to equilibrium and measured. With --ros they come from the topics of the node /graintwin;
+/// when the scene has a node.virtual_rig, or --commands is given, a rig inside the program publishes
+/// them there. --ros-args ... [--] takes what ros2 launch passes to a node. At the end a summary goes
+/// to stdout.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = "Example:\n  \
     graintwin run launch_configs/rig_log.yaml --ros --record bags/rig_log\n\n\
