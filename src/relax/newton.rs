@@ -31,8 +31,8 @@ pub(super) const LOOSE_AIM: f64 = 2.5e-3;
 const DAMPING: f64 = 0.03;
 /// Reduction of the residual of the step that takes contacts to stick.
 const PREDICTION: f64 = 0.1;
-/// Reduction of the residual that is asked of a linear solve: the least, which with friction costs
-/// less than another linearisation, and the most.
+/// Reduction of the residual that is asked of a linear solve: the least, without friction and
+/// loads and with either, where it costs less than another linearisation, and the most.
 const FORCING: [f64; 2] = [0.1, 0.02];
 const MOST_FORCING: f64 = 0.5;
 /// Shifts tried in one step.
