@@ -11,6 +11,7 @@ pub mod cdr;
 pub mod convert;
 pub mod diagnostics;
 pub mod graintwin;
+pub mod picture;
 #[cfg(feature = "ros")]
 pub mod rcl;
 pub mod schema;
@@ -24,6 +25,7 @@ pub use graintwin::{
     BoundaryCommand, ContactNetwork, Discrepancy, Event, Moduli, PackState, Report, WallForces,
     WallTargets,
 };
+pub use picture::{Marker, MarkerArray, PointCloud2};
 pub use schema::{Described, MessageType};
 pub use standard::{
     Clock, Duration, Header, JointState, JointTrajectory, JointTrajectoryPoint, Time, Vector3,

@@ -10,6 +10,10 @@ use std::path::Path;
 use graintwin::command::{Ask, Command, Disposition, Mode, Stamp};
 use graintwin::measure::discrepancy;
 use graintwin::msg::convert::{self, CommandMessage, LIVE_CHUNK};
+use graintwin::msg::picture::{
+    ColorRGBA, CompressedImage, Marker, MarkerArray, MeshFile, Point, PointCloud2, PointField,
+    Pose, UVCoordinate,
+};
 use graintwin::msg::services::{SavePack, Service, SetBool, Trigger};
 use graintwin::msg::{
     BoundaryCommand, Clock, ContactNetwork, Described, DiagnosticArray, DiagnosticStatus,
@@ -98,6 +102,16 @@ fn every_struct_has_the_fields_of_its_text() {
     assert_same_fields::<Transform>();
     assert_same_fields::<TransformStamped>();
     assert_same_fields::<TFMessage>();
+    assert_same_fields::<Point>();
+    assert_same_fields::<Pose>();
+    assert_same_fields::<ColorRGBA>();
+    assert_same_fields::<PointField>();
+    assert_same_fields::<PointCloud2>();
+    assert_same_fields::<CompressedImage>();
+    assert_same_fields::<UVCoordinate>();
+    assert_same_fields::<MeshFile>();
+    assert_same_fields::<Marker>();
+    assert_same_fields::<MarkerArray>();
 }
 
 /// The fields of `T` as a `.srv` text writes them.
@@ -211,6 +225,24 @@ fn modes_and_contact_states_have_the_numbers_of_their_messages() {
     let states =
         [("STICK".into(), ContactState::Stick as u8), ("SLIDE".into(), ContactState::Slide as u8)];
     assert_eq!(states.to_vec(), constants::<ContactNetwork>()[..2]);
+}
+
+#[test]
+fn types_and_actions_of_pictures_have_the_numbers_of_their_messages() {
+    let fields = [("UINT32".into(), PointField::UINT32), ("FLOAT32".into(), PointField::FLOAT32)];
+    assert_eq!(fields.to_vec(), constants::<PointField>()[5..7]);
+    let markers = constants::<Marker>();
+    for (name, number) in [
+        ("CUBE", Marker::CUBE),
+        ("LINE_LIST", Marker::LINE_LIST),
+        ("SPHERE_LIST", Marker::SPHERE_LIST),
+        ("TEXT_VIEW_FACING", Marker::TEXT_VIEW_FACING),
+        ("ADD", Marker::ADD),
+        ("DELETE", Marker::DELETE),
+    ] {
+        let told = markers.iter().find(|(told, _)| told == name).unwrap();
+        assert_eq!(i32::from(told.1), number, "{name}");
+    }
 }
 
 #[test]
