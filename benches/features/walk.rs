@@ -155,6 +155,7 @@ impl Or for Demand {
             state: self.state || other.state,
             moduli: self.moduli || other.moduli,
             contact_network: self.contact_network || other.contact_network,
+            grains: self.grains || other.grains,
         }
     }
 }

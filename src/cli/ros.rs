@@ -136,7 +136,7 @@ pub(super) fn setup(
         tracing::warn!("{sentence}");
     }
     parameters.live().write_to(scene);
-    Ok(Some(Setup { identity, parameters: Some(parameters), log }))
+    Ok(Some(Setup { identity, parameters: Some(parameters), log, painter: None }))
 }
 
 /// Threads that the solver will work on.

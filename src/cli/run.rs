@@ -7,6 +7,8 @@ use indicatif::MultiProgress;
 
 use graintwin::command::Command;
 use graintwin::command::request::Intake;
+#[cfg(feature = "ros")]
+use graintwin::node::Setup;
 #[cfg(feature = "mcap")]
 use graintwin::pack::Pack;
 use graintwin::path::{self, Path as LoadPath, PathError};
@@ -14,6 +16,8 @@ use graintwin::path::{self, Path as LoadPath, PathError};
 use graintwin::scene::Loaded;
 use graintwin::sink::Sink;
 use graintwin::twin::Twin;
+#[cfg(feature = "ros")]
+use graintwin::view::picture::Painter;
 
 use super::log::ForNode;
 use super::progress::Progress;
@@ -99,7 +103,10 @@ pub(super) fn run(
 
     #[cfg(feature = "ros")]
     let (mut link, path) = match setup {
-        Some(setup) => (Some(Link::start(&loaded.scene, setup, path, plays, &stop)?), None),
+        Some(setup) => {
+            let setup = Setup { painter: Some(Painter::new(&loaded.scene, &pack.bounds)), ..setup };
+            (Some(Link::start(&loaded.scene, setup, path, plays, &stop)?), None)
+        }
         None => (None, Some(path)),
     };
     #[cfg(feature = "ros")]

@@ -140,6 +140,7 @@ fn demand(outputs: Outputs, sinks: &[Box<dyn Sink + '_>]) -> Demand {
             state: all.state || one.state,
             moduli: all.moduli || one.moduli,
             contact_network: all.contact_network || one.contact_network,
+            grains: all.grains || one.grains,
         });
     ordered(outputs, wanted)
 }
@@ -152,11 +153,17 @@ fn ordered(outputs: Outputs, wanted: Demand) -> Demand {
             ModuliKind::Secant => wanted.moduli,
             ModuliKind::None => false,
         },
-        contact_network: match outputs.contact_network {
-            When::Always => true,
-            When::OnDemand => wanted.contact_network,
-            When::Never => false,
-        },
+        contact_network: when(outputs.contact_network, wanted.contact_network),
+        grains: when(outputs.markers, wanted.grains),
+    }
+}
+
+/// Whether something is computed that is `wanted` or not.
+fn when(ordered: When, wanted: bool) -> bool {
+    match ordered {
+        When::Always => true,
+        When::OnDemand => wanted,
+        When::Never => false,
     }
 }
 
