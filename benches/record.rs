@@ -55,6 +55,8 @@ fn record(
         pack_json: Vec::new(),
         pack_history: None,
         threads: 1,
+        seed: 1,
+        painter: None,
     };
     let mut recorder = Recorder::create(&parent.path().join("bag"), settings, &provenance)?;
     let mut times = Vec::new();

@@ -15,10 +15,10 @@ use graintwin::msg::picture::{
     Pose, UVCoordinate,
 };
 use graintwin::msg::{
-    BoundaryCommand, Clock, ContactNetwork, Described, DiagnosticArray, DiagnosticStatus,
-    Discrepancy, Duration, Event, Header, JointState, JointTrajectory, JointTrajectoryPoint,
-    KeyValue, Moduli, PackState, Quaternion, Report, TFMessage, Time, Transform, TransformStamped,
-    Vector3, WallForces, WallTargets, Wrench, WrenchStamped,
+    BoundaryCommand, Circumstance, Clock, ContactNetwork, Described, DiagnosticArray,
+    DiagnosticStatus, Discrepancy, Duration, Event, Header, JointState, JointTrajectory,
+    JointTrajectoryPoint, KeyValue, Moduli, PackState, Quaternion, Report, TFMessage, Time,
+    Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench, WrenchStamped,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -165,6 +165,18 @@ fn discrepancy() -> Discrepancy {
         rig_force: [0.5; 6],
         difference: [0.5, 1.5, 2.5, 3.5, 4.5, 5.5],
         delay: [1e-3, -1e-3, 0.0, -0.0, 1e9, -1e-9],
+    }
+}
+
+fn circumstance() -> Circumstance {
+    Circumstance {
+        header: header(""),
+        increment: 7,
+        kind: 5,
+        success: true,
+        text: "ü".into(),
+        name: vec!["solver.tolerance".into(), "a".into()],
+        value: vec![1e-9, f64::INFINITY],
     }
 }
 
@@ -321,6 +333,8 @@ fn bytes_hashes_and_definitions_are_those_of_an_independent_implementation() {
     exchange.add(time);
     exchange.add(Clock { clock: time });
     exchange.add(discrepancy());
+    exchange.add(circumstance());
+    exchange.add(circumstance());
     for count in 0..3 {
         exchange.add(diagnostics(count));
         exchange.add(frames(count));

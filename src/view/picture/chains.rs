@@ -24,7 +24,7 @@ pub(super) fn chains(
     network: Option<&ContactNetwork>,
 ) -> Vec<Marker> {
     let mut lines: [Vec<Point>; FROM.len()] = Default::default();
-    for network in network {
+    if let Some(network) = network {
         let forces = &network.normal_force;
         let mean = forces.iter().sum::<f64>() / forces.len().max(1) as f64;
         for (contact, &force) in forces.iter().enumerate() {
