@@ -33,8 +33,9 @@ pub struct View {
     pub range: Choice<[f64; 2]>,
     /// Opacity of the spheres, above 0: those that are not opaque let force chains be seen.
     pub opacity: f64,
-    /// Pictures are recorded at every increment that is a multiple of this.
-    pub every: u64,
+    /// Pictures are recorded at every increment that is a multiple of this. `auto`: at the first
+    /// hundred increments, then at each tenth; they are as large as half a contact network.
+    pub every: Choice<u64>,
 }
 
 impl Default for View {
@@ -44,7 +45,7 @@ impl Default for View {
             color: ColorBy::Force,
             range: Choice::Auto,
             opacity: 0.4,
-            every: 1,
+            every: Choice::Auto,
         }
     }
 }
@@ -66,6 +67,8 @@ impl View {
         problems.number(at.key("opacity"), self.opacity, "0 < opacity <= 1", |opacity| {
             opacity > 0.0 && opacity <= 1.0
         });
-        problems.count(at.key("every"), self.every, 1, 1_000_000_000);
+        if let Choice::Given(every) = self.every {
+            problems.count(at.key("every"), every, 1, 1_000_000_000);
+        }
     }
 }

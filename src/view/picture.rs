@@ -52,7 +52,10 @@ impl Painter {
     /// Whether the pictures of this increment are recorded.
     #[must_use]
     pub fn records(&self, increment: u64) -> bool {
-        increment.is_multiple_of(self.view.every)
+        match self.view.every {
+            Choice::Auto => increment < 100 || increment.is_multiple_of(10),
+            Choice::Given(every) => increment.is_multiple_of(every),
+        }
     }
 
     /// The grains as points: `x`, `y`, `z` and `radius` \[m, scaled\], `pressure` \[Pa\],
