@@ -67,6 +67,23 @@ impl Step {
         }
     }
 
+    /// What of it has to be recorded as circumstances, before the answers, when a request was
+    /// answered with `said` now.
+    #[must_use]
+    pub fn circumstances(&self, said: Option<request::Answer>) -> Vec<Circumstance> {
+        match &self.act {
+            Act::Happened(Circumstance::Asked(request, recorded)) => {
+                let said = said.unwrap_or_else(|| recorded.clone());
+                vec![Circumstance::Asked(request.clone(), said)]
+            }
+            Act::Happened(what) => vec![what.clone()],
+            Act::Refuse(_, text) => vec![Circumstance::Malformed(text.clone())],
+            Act::Serve(Command { age: Some(age), .. }) => vec![Circumstance::Age(*age)],
+            Act::Reset => vec![Circumstance::Asked(Request::Reset, Ok(String::new()))],
+            Act::Start | Act::Serve(_) | Act::Merge(_) => Vec::new(),
+        }
+    }
+
     /// Does the same to `twin`; returns what it answers, in the order of [`Step::answers`], and
     /// what it says to a request. Stores no pack.
     pub fn play(&self, twin: &mut Twin, demand: Demand) -> (Vec<Served>, Option<request::Answer>) {
