@@ -24,6 +24,7 @@ mod bag;
 mod beside;
 mod metadata;
 pub mod reader;
+pub mod replay;
 mod worker;
 
 use std::fs::{self, File};

@@ -21,6 +21,17 @@ pub struct Demand {
 impl Demand {
     /// Everything.
     pub const ALL: Self = Self { state: true, moduli: true, contact_network: true, grains: true };
+
+    /// What this or the `other` wants.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            state: self.state || other.state,
+            moduli: self.moduli || other.moduli,
+            contact_network: self.contact_network || other.contact_network,
+            grains: self.grains || other.grains,
+        }
+    }
 }
 
 /// What became of one command.

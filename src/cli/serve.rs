@@ -151,19 +151,13 @@ fn answer(twin: &mut Twin, outputs: Outputs, asked: Asked, sinks: &mut [Box<dyn 
 }
 
 /// What the scene orders and what the sinks want of the next increment.
-fn demand(outputs: Outputs, sinks: &[Box<dyn Sink + '_>]) -> Demand {
-    let wanted =
-        sinks.iter().map(|sink| sink.demand()).fold(Demand::default(), |all, one| Demand {
-            state: all.state || one.state,
-            moduli: all.moduli || one.moduli,
-            contact_network: all.contact_network || one.contact_network,
-            grains: all.grains || one.grains,
-        });
+pub(super) fn demand(outputs: Outputs, sinks: &[Box<dyn Sink + '_>]) -> Demand {
+    let wanted = sinks.iter().map(|sink| sink.demand()).fold(Demand::default(), Demand::or);
     ordered(outputs, wanted)
 }
 
 /// What of `wanted` the scene allows, and what it orders.
-fn ordered(outputs: Outputs, wanted: Demand) -> Demand {
+pub(super) fn ordered(outputs: Outputs, wanted: Demand) -> Demand {
     Demand {
         state: wanted.state,
         moduli: match outputs.moduli {
@@ -192,7 +186,7 @@ fn timed(answer: impl FnOnce() -> Report) -> Report {
     report
 }
 
-fn took(report: &mut Report, start: Instant) {
+pub(super) fn took(report: &mut Report, start: Instant) {
     if let Some(state) = report.measures.as_mut().and_then(|measures| measures.state.as_mut()) {
         state.solve_seconds = start.elapsed().as_secs_f64();
     }

@@ -154,12 +154,25 @@ pub static DIAGNOSTICS: Topic = Topic::new("/diagnostics", DiagnosticArray::TYPE
 /// is](super::convert::wall_frames).
 pub static TF_STATIC: Topic = Topic::new("/tf_static", TFMessage::TYPE, 1).latched();
 
+/// The topics of what the twin measures.
+pub fn measures() -> impl Iterator<Item = &'static Topic> {
+    [&WALL_FORCES].into_iter().chain(&WALL_WRENCH).chain([
+        &WALL_STATES,
+        &STATE,
+        &MODULI,
+        &CONTACT_NETWORK,
+        &EVENTS,
+        &GRAINS,
+        &MARKERS,
+        &TF_STATIC,
+    ])
+}
+
 /// Every topic that is recorded, commands first.
 pub fn all() -> impl Iterator<Item = &'static Topic> {
-    [&BOUNDARY_COMMAND, &WALL_TARGETS, &CIRCUMSTANCE, &REPORT, &WALL_FORCES]
+    [&BOUNDARY_COMMAND, &WALL_TARGETS, &CIRCUMSTANCE, &REPORT]
         .into_iter()
-        .chain(&WALL_WRENCH)
-        .chain([&WALL_STATES, &STATE, &MODULI, &CONTACT_NETWORK, &EVENTS, &GRAINS, &MARKERS])
+        .chain(measures())
         .chain(&MEASURED_WRENCH)
-        .chain([&DISCREPANCY, &TF_STATIC])
+        .chain([&DISCREPANCY])
 }

@@ -149,7 +149,8 @@ impl<W: Write> BagWriter<W> {
     pub(super) fn answer(&mut self, served: &Served, time: u64) -> Result<bool, BagError> {
         // Taken out while `self` is written to.
         let painter = self.painter.take();
-        let written = answer::each(served, painter.as_ref(), &|_| true, &mut |topic, message| {
+        let draws = painter.as_ref().filter(|one| one.records(served.report.increment));
+        let written = answer::each(served, draws, &|_| true, &mut |topic, message| {
             self.write(topic, message, time)
         });
         self.painter = painter;

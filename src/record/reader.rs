@@ -97,6 +97,12 @@ impl Bag {
         Ok(Self { path: path.to_owned(), files })
     }
 
+    /// The folder or file that it is.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// Every message, file by file in the order of the files.
     pub fn messages(&self) -> impl Iterator<Item = Result<Message, ReadError>> + '_ {
         self.items().filter_map(|item| match item {

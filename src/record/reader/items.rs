@@ -44,6 +44,12 @@ impl<'a> Items<'a> {
         Self { files: files.iter(), current: None, messages: 0 }
     }
 
+    /// Gives nothing more.
+    pub(in crate::record) fn end(&mut self) {
+        self.files = [].iter();
+        self.current = None;
+    }
+
     fn fail(&mut self, path: &Path, stop: Stop) -> ReadError {
         self.files = [].iter();
         let path = path.to_owned();
