@@ -90,6 +90,7 @@ fn answer((network, increment): (ContactNetwork, u64)) -> Arc<Served> {
             s_speed: f64::NAN,
         }),
         network: Some(network),
+        grains: None,
     };
     let report = Report {
         stamp: measures.stamp,

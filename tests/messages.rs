@@ -326,6 +326,7 @@ fn measures(contacts: u32) -> Measures {
             overlap: singles(4.0),
             state: (0..contacts).map(|i| (i % 2) as u8).collect(),
         }),
+        grains: None,
     }
 }
 
@@ -397,6 +398,11 @@ fn the_frame_of_a_wall_stands_at_its_centre_with_the_axes_of_the_pack() {
         [1.0, 0.0, -4.0],
         [1.0, 0.0, 4.0],
     ];
+    let (roots, frames) = frames.split_at(2);
+    for (root, name) in roots.iter().zip(["pack", "pack_view"]) {
+        assert_eq!((&*root.header.frame_id, &*root.child_frame_id), ("world", name));
+        assert_eq!(root.transform, Transform::default());
+    }
     assert_eq!(frames.len(), origins.len());
     for ((frame, origin), name) in frames.iter().zip(origins).zip(wall::NAMES) {
         assert_eq!(frame.header.frame_id, "pack");

@@ -163,5 +163,6 @@ fn measures(stamp: Stamp, increment: u64, contacts: u32) -> Measures {
         state: Some(state),
         moduli: Some(moduli),
         network: Some(network),
+        grains: None,
     }
 }
