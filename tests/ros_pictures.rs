@@ -74,7 +74,8 @@ fn pictures_that_the_network_cannot_carry_are_left_out_and_counted_but_not_the_n
             let mut newest = Value::Null;
             let mut come = 0;
             while newest != last {
-                let before = std::mem::replace(&mut come, rig.wait("grains", come + 1));
+                let before = come;
+                come = rig.wait("grains", before + 1);
                 assert!(come > before, "the newest picture comes");
                 for cloud in rig.told("grains") {
                     newest = cloud["header"]["stamp"].clone();

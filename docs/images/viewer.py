@@ -66,6 +66,7 @@ def draw(array):
                 sizes=[[marker.scale.x, marker.scale.y, marker.scale.z]],
                 colors=[[150, 170, 190]],
                 radii=[rerun.components.Radius.ui_points(0.75)],
+                fill_mode=rerun.components.FillMode.MajorWireframe,
             )
             rerun.log(name, box, static=True)
         elif not marker.points:
@@ -87,28 +88,32 @@ def draw(array):
     return text
 
 
+def micro(state):
+    """The axial strain in whole µm/m, which rerun counts as time."""
+    return round(1e6 * state.strain[2])
+
+
 def plot(states, forces):
     """Curves over the axial strain."""
-    for index, name in enumerate(WALLS):
+    for name in WALLS:
         rerun.log(f"forces/{name}", rerun.SeriesLines(names=name), static=True)
-        assert all(len(one.normal_force) == len(WALLS) for one in forces), index
     for name in ("confining", "deviatoric"):
         rerun.log(f"stresses/{name}", rerun.SeriesLines(names=f"{name} stress"), static=True)
     for state, force in zip(states, forces, strict=True):
-        rerun.set_time(STRAIN, sequence=round(1e6 * state.strain[2]))
+        rerun.set_time(STRAIN, sequence=micro(state))
         for name, value in zip(WALLS, force.normal_force, strict=True):
             rerun.log(f"forces/{name}", rerun.Scalars(value))
         rerun.log("stresses/confining", rerun.Scalars(state.confining_stress / 1e6))
         rerun.log("stresses/deviatoric", rerun.Scalars(state.deviatoric_stress / 1e6))
 
 
-def views(array, text):
+def views(array, strains):
     """Where everything stands on the screen."""
     walls = [marker for marker in array.markers if marker.ns == "walls"]
     places = numpy.array([[m.pose.position.x, m.pose.position.y, m.pose.position.z] for m in walls])
     middle, largest = places.mean(axis=0), (places.max(axis=0) - places.min(axis=0)).max()
     eye = layout.EyeControls3D(
-        position=middle + largest * numpy.array([1.15, -1.45, 0.6]),
+        position=middle + largest * numpy.array([1.5, -2.1, 1.1]),
         look_target=middle,
         eye_up=[0.0, 0.0, 1.0],
     )
@@ -123,15 +128,25 @@ def views(array, text):
             eye_controls=eye,
         )
 
+    whole = layout.TimeAxis(
+        view_range=rerun.TimeRange(
+            rerun.TimeRangeBoundary.absolute(seq=min(strains)),
+            rerun.TimeRangeBoundary.absolute(seq=max(strains)),
+        )
+    )
     curves = [
-        layout.TimeSeriesView(origin="forces", name="normal forces on the walls [N]"),
-        layout.TimeSeriesView(origin="stresses", name="stresses [MPa]"),
+        layout.TimeSeriesView(origin=origin, name=f"{what} over {STRAIN}", axis_x=whole)
+        for origin, what in (("forces", "wall forces [N]"), ("stresses", "stresses [MPa]"))
     ]
     return layout.Blueprint(
         layout.Horizontal(
             scene(["spheres/**", "walls/**"], "grains, coloured by pressure"),
             scene(["chains/**", "walls/**"], "forces above the mean"),
-            layout.Vertical(*curves, layout.TextDocumentView(origin="about", name="increment")),
+            layout.Vertical(
+                *curves,
+                layout.TextDocumentView(origin="about", name="increment"),
+                row_shares=[3, 3, 2],
+            ),
             column_shares=[4, 4, 3],
         ),
         layout.TimePanel(state="hidden", timeline=STRAIN),
@@ -175,10 +190,11 @@ def main():
     rerun.init("graintwin")
     text = draw(pictures[number])
     plot(told["state"], told["wall_forces"])
-    rerun.log("about", rerun.TextDocument(text.replace(", ", "\n\n")), static=True)
+    rerun.log("about", rerun.TextDocument(text.replace(", ", "\n")), static=True)
     with tempfile.TemporaryDirectory() as folder:
         recording = Path(folder) / "recording.rrd"
-        rerun.save(recording, default_blueprint=views(pictures[number], text))
+        strains = [micro(state) for state in told["state"]]
+        rerun.save(recording, default_blueprint=views(pictures[number], strains))
         rerun.disconnect()
         photograph(recording, arguments.out)
     print(f"{arguments.out}: increment {number}, {text}")
