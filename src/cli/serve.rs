@@ -204,5 +204,7 @@ fn hand_over(command: Option<Command>, report: Report, sinks: &mut [Box<dyn Sink
     }
 }
 
+#[cfg(all(test, feature = "mcap"))]
+mod replayed;
 #[cfg(test)]
 mod tests;
