@@ -11,7 +11,7 @@ const KINDS: [&MessageType; 2] = [BoundaryCommand::TYPE, WallTargets::TYPE];
 /// The commands of a bag; see [`Bag::commands`].
 pub struct Commands<'a> {
     bag: &'a Bag,
-    items: Items<'a>,
+    items: Items,
     /// Topic of the boundary commands and of the wall targets.
     topics: [Option<String>; 2],
     others: Vec<String>,

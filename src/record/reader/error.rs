@@ -6,6 +6,9 @@ use std::path::PathBuf;
 use super::Damage;
 use crate::msg::cdr::CdrError;
 
+/// What `ros2 bag convert` is to make of a bag.
+const CONVERT: &str = "`output_bags: [{uri: NEW_BAG, storage_id: mcap, all: true}]`";
+
 /// Why a bag could not be read.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
@@ -20,6 +23,26 @@ pub enum ReadError {
     /// A folder without a bag.
     #[error("{} holds no .mcap file; a bag is a rosbag2 folder with MCAP storage", .0.display())]
     NoBag(PathBuf),
+    /// A pipe, a device or a folder by the name of a bag's file.
+    #[error("{} is no file", .0.display())]
+    NoFile(PathBuf),
+    /// Another storage of rosbag2.
+    #[error(
+        "{} is a bag in SQLite; MCAP is read: convert it with `ros2 bag convert -i BAG -o mcap.yaml`, \
+         where mcap.yaml holds {CONVERT}", .0.display()
+    )]
+    Sqlite(PathBuf),
+    /// A bag that rosbag2 packed in a way of its own.
+    #[error(
+        "{} is packed {what}, which only rosbag2 reads; MCAP packs by itself: convert it with \
+         `ros2 bag convert -i BAG -o mcap.yaml`, where mcap.yaml holds {CONVERT}", .path.display()
+    )]
+    Packed {
+        /// The file or folder.
+        path: PathBuf,
+        /// How: file by file, or message by message.
+        what: &'static str,
+    },
     /// The contents make no sense from somewhere on.
     #[error("{} is {damage}; {messages} messages before that can be read", .path.display())]
     Damaged {
