@@ -7,7 +7,10 @@
 //! DDS to their choice of it.
 
 #[cfg(feature = "mcap")]
+pub mod answer;
+#[cfg(feature = "mcap")]
 pub mod cdr;
+mod circumstance;
 pub mod convert;
 pub mod diagnostics;
 pub mod graintwin;
@@ -21,8 +24,8 @@ pub mod transforms;
 
 pub use diagnostics::{DiagnosticArray, DiagnosticStatus, KeyValue};
 pub use graintwin::{
-    BoundaryCommand, ContactNetwork, Discrepancy, Event, Moduli, PackState, Report, WallForces,
-    WallTargets,
+    BoundaryCommand, Circumstance, ContactNetwork, Discrepancy, Event, Moduli, PackState, Report,
+    WallForces, WallTargets,
 };
 pub use schema::{Described, MessageType};
 pub use standard::{

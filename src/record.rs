@@ -34,6 +34,7 @@ use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
+use crate::command::circumstance::Happened;
 use crate::report::Demand;
 use crate::scene;
 use crate::sink::{Served, Sink};
@@ -52,6 +53,12 @@ const QUEUE: usize = 8;
 /// Name of the attachment with the pack's history.
 pub const HISTORY: &str = "pack.history.json";
 
+/// Name of the metadata record with the program that recorded.
+pub const PROGRAM: &str = "graintwin";
+
+/// Name of the metadata record with what the run came to; a run that was killed leaves none.
+pub const END: &str = "graintwin_end";
+
 /// What made a recording, so that it can be made again.
 #[derive(Clone, Debug)]
 pub struct Provenance {
@@ -65,6 +72,17 @@ pub struct Provenance {
     pub pack_history: Option<Vec<u8>>,
     /// Threads of the twin.
     pub threads: usize,
+    /// Seed of the pack.
+    pub seed: u64,
+}
+
+/// What a run came to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Closing {
+    /// The last increment.
+    pub increment: u64,
+    /// The state by then, as [`Twin::digest`](crate::twin::Twin::digest) tells it.
+    pub digest: String,
 }
 
 /// What was recorded.
@@ -166,6 +184,22 @@ impl Recorder {
         self.end()
     }
 
+    /// How the run ended, to be written at the end of the recording.
+    pub fn close_with(&mut self, closing: Closing) {
+        self.enqueue(Item::Closing(closing));
+    }
+
+    /// Queues `item`, waiting when the queue is full, or counts it as lost.
+    fn enqueue(&self, item: Item) {
+        if self.status.failed() {
+            self.status.lose(1);
+            return;
+        }
+        if self.queue.as_ref().is_none_or(|queue| queue.send(item).is_err()) {
+            self.status.fail("its thread panicked".into(), 1);
+        }
+    }
+
     fn end(&mut self) -> Result<Recorded, RecordError> {
         drop(self.queue.take());
         match self.thread.take().map(JoinHandle::join) {
@@ -183,14 +217,12 @@ impl Sink for Recorder {
 
     /// Queues the answer; waits when the queue is full.
     fn served(&mut self, served: &Arc<Served>) {
-        if self.status.failed() {
-            self.status.lose(1);
-            return;
-        }
-        let item = Item::Answer(Arc::clone(served), worker::now());
-        if self.queue.as_ref().is_none_or(|queue| queue.send(item).is_err()) {
-            self.status.fail("its thread panicked".into(), 1);
-        }
+        self.enqueue(Item::Answer(Arc::clone(served), worker::now()));
+    }
+
+    /// As an answer.
+    fn happened(&mut self, happened: &Happened) {
+        self.enqueue(Item::Happened(Box::new(happened.clone()), worker::now()));
     }
 }
 

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::command::Command;
+use crate::command::circumstance::Happened;
 use crate::msg::{Discrepancy, WrenchStamped};
 use crate::report::{Demand, Report};
 
@@ -22,6 +23,9 @@ pub trait Sink {
 
     /// Takes one answer.
     fn served(&mut self, served: &Arc<Served>);
+
+    /// Takes what else bears on the answers, in its order among them.
+    fn happened(&mut self, _happened: &Happened) {}
 }
 
 /// What comes and goes beside commands and answers.

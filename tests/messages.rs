@@ -12,10 +12,10 @@ use graintwin::measure::discrepancy;
 use graintwin::msg::convert::{self, CommandMessage, LIVE_CHUNK};
 use graintwin::msg::services::{SavePack, Service, SetBool, Trigger};
 use graintwin::msg::{
-    BoundaryCommand, Clock, ContactNetwork, Described, DiagnosticArray, DiagnosticStatus,
-    Discrepancy, Duration, Event, Header, JointState, JointTrajectory, JointTrajectoryPoint,
-    KeyValue, Moduli, PackState, Quaternion, Report, TFMessage, Time, Transform, TransformStamped,
-    Vector3, WallForces, WallTargets, Wrench, WrenchStamped, topics,
+    BoundaryCommand, Circumstance, Clock, ContactNetwork, Described, DiagnosticArray,
+    DiagnosticStatus, Discrepancy, Duration, Event, Header, JointState, JointTrajectory,
+    JointTrajectoryPoint, KeyValue, Moduli, PackState, Quaternion, Report, TFMessage, Time,
+    Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench, WrenchStamped, topics,
 };
 use graintwin::report::{self, ContactState, Measures};
 use graintwin::wall::{self, WallTarget};
@@ -90,6 +90,7 @@ fn every_struct_has_the_fields_of_its_text() {
     assert_same_fields::<JointTrajectoryPoint>();
     assert_same_fields::<JointTrajectory>();
     assert_same_fields::<Discrepancy>();
+    assert_same_fields::<Circumstance>();
     assert_same_fields::<Clock>();
     assert_same_fields::<KeyValue>();
     assert_same_fields::<DiagnosticStatus>();
@@ -149,6 +150,7 @@ fn every_message_text_is_built_by_the_package_and_has_a_struct() {
         Report::TYPE,
         Event::TYPE,
         Discrepancy::TYPE,
+        Circumstance::TYPE,
     ];
     for file in fs::read_dir(package.join("msg")).unwrap() {
         let path = file.unwrap().path();

@@ -3,8 +3,9 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use graintwin::command::circumstance::Happened;
 use graintwin::pack::{self, Pack};
-use graintwin::record::{HISTORY, Provenance, RecordError, Recorded, Recorder, claim};
+use graintwin::record::{Closing, HISTORY, Provenance, RecordError, Recorded, Recorder, claim};
 use graintwin::report::Demand;
 use graintwin::scene::Loaded;
 use graintwin::sink::{Served, Sink};
@@ -36,6 +37,7 @@ impl Recording {
             pack_json: pack.json.into_bytes(),
             pack_history: pack.history.map(String::into_bytes),
             threads,
+            seed: loaded.scene.pack.seed(),
         };
         let recorder = Recorder::create(folder, &loaded.scene.record, &provenance);
         Ok(Self { recorder: recorder.map_err(Failure::input)?, told: false })
@@ -47,6 +49,11 @@ impl Recording {
         Arc::new(self.recorder.handle())
     }
 
+    /// How the run ended.
+    pub(super) fn close_with(&mut self, closing: Closing) {
+        self.recorder.close_with(closing);
+    }
+
     pub(super) fn finish(self) -> Result<Recorded, RecordError> {
         self.recorder.finish()
     }
@@ -55,6 +62,10 @@ impl Recording {
 impl Sink for &mut Recording {
     fn demand(&self) -> Demand {
         self.recorder.demand()
+    }
+
+    fn happened(&mut self, happened: &Happened) {
+        self.recorder.happened(happened);
     }
 
     fn served(&mut self, served: &Arc<Served>) {

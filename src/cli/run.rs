@@ -11,6 +11,8 @@ use graintwin::command::request::Intake;
 use graintwin::pack::Pack;
 use graintwin::path::{self, Path as LoadPath, PathError};
 #[cfg(feature = "mcap")]
+use graintwin::record::Closing;
+#[cfg(feature = "mcap")]
 use graintwin::scene::Loaded;
 use graintwin::sink::Sink;
 use graintwin::twin::Twin;
@@ -138,7 +140,8 @@ pub(super) fn run(
         summary.linked(link.end());
     }
     #[cfg(feature = "mcap")]
-    if let Some(recording) = recording {
+    if let Some(mut recording) = recording {
+        recording.close_with(Closing { increment: twin.increment(), digest: twin.digest() });
         summary.recorded(recording.finish());
     }
     served?;

@@ -2,7 +2,7 @@
 
 use super::schema::{Described, MessageType};
 use super::{
-    BoundaryCommand, ContactNetwork, DiagnosticArray, Discrepancy, Event, JointState,
+    BoundaryCommand, Circumstance, ContactNetwork, DiagnosticArray, Discrepancy, Event, JointState,
     JointTrajectory, Moduli, PackState, Report, TFMessage, WallForces, WallTargets, WrenchStamped,
 };
 use crate::wall;
@@ -100,6 +100,8 @@ pub static JOINT_STATES: Topic = Topic::new("joint_states", JointState::TYPE, 25
 pub static JOINT_TRAJECTORY: Topic = Topic::new("joint_trajectory", JointTrajectory::TYPE, 64);
 /// Out: [`Report`].
 pub static REPORT: Topic = Topic::new("report", Report::TYPE, 256);
+/// Recorded only: [`Circumstance`].
+pub static CIRCUMSTANCE: Topic = Topic::new("circumstance", Circumstance::TYPE, 64);
 /// Out: [`WallForces`].
 pub static WALL_FORCES: Topic = Topic::new("wall_forces", WallForces::TYPE, 64);
 /// Out: [`WrenchStamped`], one topic a wall.
@@ -141,7 +143,7 @@ pub static TF_STATIC: Topic = Topic::new("/tf_static", TFMessage::TYPE, 1).latch
 
 /// Every topic that is recorded, commands first.
 pub fn all() -> impl Iterator<Item = &'static Topic> {
-    [&BOUNDARY_COMMAND, &WALL_TARGETS, &REPORT, &WALL_FORCES]
+    [&BOUNDARY_COMMAND, &WALL_TARGETS, &CIRCUMSTANCE, &REPORT, &WALL_FORCES]
         .into_iter()
         .chain(&WALL_WRENCH)
         .chain([&WALL_STATES, &STATE, &MODULI, &CONTACT_NETWORK, &EVENTS])

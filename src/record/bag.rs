@@ -6,19 +6,14 @@ use std::io::{self, Write};
 use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
 use mcap::{Attachment, McapError, WriteOptions};
-use serde::Serialize;
 
-use super::{HISTORY, Provenance, metadata};
-use crate::command::Stamp;
-use crate::msg::cdr::{self, CdrError};
-use crate::msg::convert::CommandMessage;
+use super::{Closing, END, HISTORY, PROGRAM, Provenance, metadata};
+use crate::command::circumstance::Happened;
+use crate::msg::Circumstance;
+use crate::msg::answer::{self, Outgoing};
+use crate::msg::cdr::CdrError;
 use crate::msg::topics::{self, Topic};
-use crate::msg::{
-    BoundaryCommand, ContactNetwork, Described, Discrepancy, Event, JointState, Moduli, PackState,
-    Report, TFMessage, WallForces, WallTargets, WrenchStamped, convert,
-};
 use crate::relax::lanes;
-use crate::report::Measures;
 use crate::scene::{self, Compression};
 use crate::sink::{Beside, Served};
 
@@ -82,13 +77,14 @@ impl Contents {
 /// The chunks are this type's own business, not the MCAP writer's: that one closes a chunk
 /// before the message that no longer fits, and so one without a message when the first message
 /// is larger than a chunk, a file that rosbag2 then refuses to play. Here a chunk is closed after
-/// a message, and thus always holds one and is never smaller than its largest message.
+/// an answer, and thus always holds one and is never smaller than its largest message.
 pub(super) struct BagWriter<W: Write> {
     mcap: mcap::Writer<NoSeek<W>>,
     contents: Contents,
     chunk: u64,
     open: u64,
     buffer: Vec<u8>,
+    closing: Option<Closing>,
 }
 
 impl<W: Write> BagWriter<W> {
@@ -132,33 +128,30 @@ impl<W: Write> BagWriter<W> {
                 data: data.into(),
             })?;
         }
-        let metadata = program(provenance.threads);
-        mcap.write_metadata(&Metadata { name: "graintwin".into(), metadata })?;
+        let metadata = program(provenance);
+        mcap.write_metadata(&Metadata { name: PROGRAM.into(), metadata })?;
         mcap.flush()?;
         let contents = Contents::default();
-        Ok(Self { mcap, contents, chunk: settings.chunk, open: 0, buffer: Vec::new() })
+        Ok(Self {
+            mcap,
+            contents,
+            chunk: settings.chunk,
+            open: 0,
+            buffer: Vec::new(),
+            closing: None,
+        })
     }
 
     /// Writes one answer, served at `time`; says whether it is still in an open chunk.
     pub(super) fn answer(&mut self, served: &Served, time: u64) -> Result<bool, BagError> {
-        if let Some(command) = &served.command {
-            match CommandMessage::from(command) {
-                CommandMessage::Boundary(message) => {
-                    self.write(&topics::BOUNDARY_COMMAND, &message, time)?;
-                }
-                CommandMessage::Targets(message) => {
-                    self.write(&topics::WALL_TARGETS, &message, time)?;
-                }
-            }
-        }
-        self.write(&topics::REPORT, &Report::from(&served.report), time)?;
-        if let Some(measures) = &served.report.measures {
-            if served.command.is_none() {
-                self.write(&topics::TF_STATIC, &convert::wall_frames(measures), time)?;
-            }
-            self.measures(measures, time)?;
-        }
-        Ok(self.open > 0)
+        answer::each(served, &|_| true, &mut |topic, message| self.write(topic, message, time))?;
+        self.close_full_chunk()
+    }
+
+    /// Writes what else bears on the answers, at `time`; says whether it is still in an open chunk.
+    pub(super) fn happened(&mut self, happened: &Happened, time: u64) -> Result<bool, BagError> {
+        self.write(&topics::CIRCUMSTANCE, &Circumstance::from(happened), time)?;
+        self.close_full_chunk()
     }
 
     /// Writes what came or went beside the answers, at `time`; says whether it is still in an open
@@ -170,7 +163,12 @@ impl<W: Write> BagWriter<W> {
             }
             Beside::Discrepancy(message) => self.write(&topics::DISCREPANCY, message, time)?,
         }
-        Ok(self.open > 0)
+        self.close_full_chunk()
+    }
+
+    /// How the run ended, to be written at the end.
+    pub(super) fn close_with(&mut self, closing: &Closing) {
+        self.closing = Some(closing.clone());
     }
 
     /// Messages so far.
@@ -178,35 +176,13 @@ impl<W: Write> BagWriter<W> {
         self.contents.messages()
     }
 
-    fn measures(&mut self, measures: &Measures, time: u64) -> Result<(), BagError> {
-        self.write(&topics::WALL_FORCES, &convert::wall_forces(measures), time)?;
-        for (wall, topic) in topics::WALL_WRENCH.iter().enumerate() {
-            self.write(topic, &convert::wall_wrench(measures, wall), time)?;
-        }
-        self.write(&topics::WALL_STATES, &convert::wall_states(measures), time)?;
-        if let Some(state) = convert::pack_state(measures) {
-            self.write(&topics::STATE, &state, time)?;
-        }
-        if let Some(moduli) = convert::moduli(measures) {
-            self.write(&topics::MODULI, &moduli, time)?;
-        }
-        if let Some(network) = convert::whole_network(measures) {
-            self.write(&topics::CONTACT_NETWORK, &network, time)?;
-        }
-        for event in convert::events(measures) {
-            self.write(&topics::EVENTS, &event, time)?;
-        }
-        Ok(())
-    }
-
-    fn write<T: Stamped>(
+    fn write(
         &mut self,
         topic: &'static Topic,
-        message: &T,
+        message: &dyn Outgoing,
         time: u64,
     ) -> Result<(), BagError> {
-        debug_assert_eq!(topic.kind, T::TYPE, "topic {}", topic.name);
-        cdr::encode(message, &mut self.buffer)?;
+        message.encode(&mut self.buffer)?;
         let log_time = match self.contents.last {
             Some(last) => time.max(last + 1),
             None => time,
@@ -232,7 +208,16 @@ impl<W: Write> BagWriter<W> {
         self.contents.first.get_or_insert(log_time);
         self.contents.last = Some(log_time);
         self.open += self.buffer.len() as u64;
-        if self.open >= self.chunk { self.flush() } else { Ok(()) }
+        Ok(())
+    }
+
+    /// Closes the open chunk when it is full; says whether it is still open. What a file that was
+    /// cut off still holds is thus whole answers.
+    fn close_full_chunk(&mut self) -> Result<bool, BagError> {
+        if self.open >= self.chunk {
+            self.flush()?;
+        }
+        Ok(self.open > 0)
     }
 
     /// Registers every topic, in the chunk of the first message.
@@ -265,13 +250,20 @@ impl<W: Write> BagWriter<W> {
         let text = metadata::body(&self.contents, file_name);
         let metadata = BTreeMap::from([("serialized_metadata".into(), text)]);
         self.mcap.write_metadata(&Metadata { name: "rosbag2".into(), metadata })?;
+        if let Some(Closing { increment, digest }) = &self.closing {
+            let metadata = BTreeMap::from([
+                ("increment".into(), increment.to_string()),
+                ("state".into(), digest.clone()),
+            ]);
+            self.mcap.write_metadata(&Metadata { name: END.into(), metadata })?;
+        }
         self.mcap.finish()?;
         Ok((self.mcap.into_inner().into_inner(), self.contents))
     }
 }
 
 /// What the recording program was.
-fn program(threads: usize) -> BTreeMap<String, String> {
+fn program(provenance: &Provenance) -> BTreeMap<String, String> {
     let features: Vec<&str> = [("mcap", cfg!(feature = "mcap")), ("ros", cfg!(feature = "ros"))]
         .into_iter()
         .filter_map(|(name, on)| on.then_some(name))
@@ -280,43 +272,7 @@ fn program(threads: usize) -> BTreeMap<String, String> {
         ("version".into(), env!("CARGO_PKG_VERSION").into()),
         ("features".into(), features.join(" ")),
         ("kernels".into(), lanes::kernels().into()),
-        ("threads".into(), threads.to_string()),
+        ("threads".into(), provenance.threads.to_string()),
+        ("seed".into(), provenance.seed.to_string()),
     ])
 }
-
-/// A message that says its time.
-trait Stamped: Described + Serialize {
-    /// The stamp of its header, or of its first part's.
-    fn stamp(&self) -> Stamp;
-}
-
-macro_rules! stamped {
-    ($($message:ty),+) => {$(
-        impl Stamped for $message {
-            fn stamp(&self) -> Stamp {
-                self.header.stamp.into()
-            }
-        }
-    )+};
-}
-
-impl Stamped for TFMessage {
-    fn stamp(&self) -> Stamp {
-        let first = self.transforms.first();
-        first.map(|transform| transform.header.stamp.into()).unwrap_or_default()
-    }
-}
-
-stamped!(
-    BoundaryCommand,
-    WallTargets,
-    Report,
-    WallForces,
-    WrenchStamped,
-    JointState,
-    PackState,
-    Moduli,
-    ContactNetwork,
-    Event,
-    Discrepancy
-);

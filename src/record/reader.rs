@@ -26,7 +26,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::msg::MessageType;
-use items::{Item, Items};
+pub(in crate::record) use items::{Item, Items};
 
 pub use commands::Commands;
 pub use error::ReadError;
@@ -143,7 +143,8 @@ impl Bag {
         Commands::new(self)
     }
 
-    fn items(&self) -> Items {
+    /// Every piece in the order of the files.
+    pub(in crate::record) fn items(&self) -> Items {
         Items::new(self.parts.clone())
     }
 }

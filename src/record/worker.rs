@@ -9,7 +9,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use super::bag::BagWriter;
-use super::{FLUSH_AFTER, RecordError, Recorded, Target, metadata};
+use super::{Closing, FLUSH_AFTER, RecordError, Recorded, Target, metadata};
+use crate::command::circumstance::Happened;
 use crate::sink::{Beside, RecordingState, Served};
 
 /// What is on its way to the file, and when it happened, in nanoseconds since 1970.
@@ -17,6 +18,10 @@ use crate::sink::{Beside, RecordingState, Served};
 pub(super) enum Item {
     /// One answer of the twin.
     Answer(Arc<Served>, u64),
+    /// What else bears on the answers.
+    Happened(Box<Happened>, u64),
+    /// How the run ended.
+    Closing(Closing),
     /// What came or went beside.
     Beside(Box<Beside>, u64),
 }
@@ -157,9 +162,14 @@ impl Worker {
     }
 
     fn write(&mut self, bag: &mut Bag, item: &Item) -> Result<(), String> {
-        self.pending += 1;
+        self.pending += u64::from(!matches!(item, Item::Closing(_)));
         let open = match item {
             Item::Answer(served, time) => bag.answer(served, *time),
+            Item::Happened(happened, time) => bag.happened(happened, *time),
+            Item::Closing(closing) => {
+                bag.close_with(closing);
+                return Ok(());
+            }
             Item::Beside(beside, time) => bag.beside(beside, *time),
         };
         self.status.messages.store(bag.messages(), Ordering::Relaxed);

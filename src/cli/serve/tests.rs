@@ -4,7 +4,8 @@ use std::path::Path;
 use std::sync::Mutex;
 
 use super::*;
-use graintwin::command::{Ask, Mode, Stamp};
+use graintwin::command::request::Answer;
+use graintwin::command::{Ask, Mode};
 use graintwin::pack::{Grain, Pack};
 use graintwin::scene;
 use graintwin::wall::Bounds;

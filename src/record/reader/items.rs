@@ -10,7 +10,7 @@ use super::records::{Records, Stop};
 use super::{Channel, Message, ReadError};
 
 /// A piece of a bag.
-pub(super) enum Item {
+pub(in crate::record) enum Item {
     /// A topic that messages may follow on.
     Channel(Arc<Channel>),
     /// A message.
@@ -34,7 +34,7 @@ pub(super) enum Item {
 }
 
 /// The pieces of a bag's files, one file after the other; ends after the first error.
-pub(super) struct Items {
+pub(in crate::record) struct Items {
     parts: std::vec::IntoIter<Part>,
     current: Option<Pieces>,
     messages: u64,
