@@ -17,10 +17,13 @@ mod chunk;
 mod commands;
 mod error;
 mod fields;
+mod intakes;
 mod items;
 mod part;
 mod records;
+mod source;
 mod survey;
+mod window;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -30,9 +33,11 @@ pub(in crate::record) use items::{Item, Items};
 
 pub use commands::Commands;
 pub use error::ReadError;
+pub use intakes::Intakes;
 use part::Part;
 pub use part::is_bag;
 pub use records::Damage;
+pub use source::Source;
 pub use survey::{AttachmentSummary, Survey, TopicSummary};
 
 /// Most memory for reading a file of a few kilobytes, whatever is in it \[bytes\].
@@ -141,6 +146,21 @@ impl Bag {
     #[must_use]
     pub fn commands(&self) -> Commands<'_> {
         Commands::new(self)
+    }
+
+    /// What `source` says the commands are, in the order in which it was recorded, with that time
+    /// \[ns since 1970\]: what the live node would have made of the same messages, but that none
+    /// has an age, and that bytes which are no message are refused as malformed.
+    ///
+    /// The bag is read once before the first item, to find the topics and what is wrong. Messages
+    /// are then taken as they are asked for. Recorders write roughly in order: those that stand
+    /// up to 4096 messages, and 16 MiB, behind their place are put back.
+    ///
+    /// # Errors
+    /// When the system cannot read the bag, or it has no such topic, or several. The iterator's
+    /// last item is an error where the bag is damaged or further out of order.
+    pub fn intakes(&self, source: &Source<'_>) -> Result<Intakes, ReadError> {
+        Intakes::new(self, source)
     }
 
     /// Every piece in the order of the files.
