@@ -17,9 +17,9 @@ use crate::record::{Closing, END};
 ///
 /// An answer without its report was cut off, and is left out with all that follows. The iterator
 /// ends after its first error; where the bag is damaged that is the last item.
-pub struct Tape<'a> {
+pub struct Tape {
     path: PathBuf,
-    items: Items<'a>,
+    items: Items,
     /// Messages so far.
     number: u64,
     /// What has been read of the step at hand.
@@ -61,8 +61,8 @@ enum Role {
     Beside,
 }
 
-impl<'a> Tape<'a> {
-    pub(super) fn new(bag: &'a Bag) -> Self {
+impl Tape {
+    pub(super) fn new(bag: &Bag) -> Self {
         Self {
             path: bag.path().into(),
             items: bag.items(),
@@ -180,7 +180,7 @@ impl<'a> Tape<'a> {
     }
 }
 
-impl Iterator for Tape<'_> {
+impl Iterator for Tape {
     type Item = Result<Step, ReplayError>;
 
     fn next(&mut self) -> Option<Self::Item> {
