@@ -14,7 +14,6 @@ mod circumstance;
 pub mod convert;
 pub mod diagnostics;
 pub mod graintwin;
-#[cfg(feature = "ros")]
 pub mod rcl;
 pub mod schema;
 pub mod services;

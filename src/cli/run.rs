@@ -2,6 +2,8 @@
 
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
+#[cfg(feature = "mcap")]
+use std::sync::{Arc, atomic::AtomicBool};
 
 use indicatif::MultiProgress;
 
@@ -97,7 +99,7 @@ pub(super) fn run(
     let stop = stop::on_signal()?;
     tracing::info!("{} commands for {} grains", path.length(), pack.grains.len());
     #[cfg(feature = "mcap")]
-    let mut recording = start_recording(args, &loaded, pack, twin.threads())?;
+    let mut recording = start_recording(args, &loaded, pack, twin.threads(), &stop)?;
 
     #[cfg(feature = "ros")]
     let (mut link, path) = match setup {
@@ -175,9 +177,10 @@ fn start_recording(
     loaded: &Loaded,
     pack: &Pack,
     threads: usize,
+    stop: &Arc<AtomicBool>,
 ) -> Result<Option<Recording>, Failure> {
     let folder = args.record.as_deref();
-    folder.map(|folder| Recording::start(folder, loaded, pack, threads)).transpose()
+    folder.map(|folder| Recording::start(folder, loaded, pack, threads, stop)).transpose()
 }
 
 /// Commands from a CSV, or from a bag.
