@@ -6,6 +6,7 @@ mod check;
 mod completions;
 mod failure;
 mod generate;
+mod given;
 mod log;
 pub(crate) mod output;
 #[cfg(feature = "mcap")]

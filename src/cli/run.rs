@@ -1,17 +1,16 @@
 //! `graintwin run`
 
 use std::cell::RefCell;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 #[cfg(feature = "mcap")]
 use std::sync::{Arc, atomic::AtomicBool};
 
 use indicatif::MultiProgress;
 
-use graintwin::command::Command;
 use graintwin::command::request::Intake;
 #[cfg(feature = "mcap")]
 use graintwin::pack::Pack;
-use graintwin::path::{self, Path as LoadPath, PathError};
+use graintwin::path::Path as LoadPath;
 #[cfg(feature = "mcap")]
 use graintwin::record::Closing;
 #[cfg(feature = "mcap")]
@@ -19,6 +18,7 @@ use graintwin::scene::Loaded;
 use graintwin::sink::Sink;
 use graintwin::twin::Twin;
 
+use super::given::{self, Commands, Recorded};
 use super::log::ForNode;
 use super::progress::Progress;
 #[cfg(feature = "mcap")]
@@ -51,6 +51,12 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE")]
     commands: Option<PathBuf>,
 
+    /// Topic of the bag that has the commands: its own, or joints that the scene maps
+    /// (node.joint_states, node.joint_trajectory). Without it the only one there is.
+    #[cfg(feature = "mcap")]
+    #[arg(long, value_name = "NAME", requires = "commands")]
+    topic: Option<String>,
+
     /// Records everything into this folder, which must be new or empty.
     #[cfg(feature = "mcap")]
     #[arg(long, value_name = "DIR")]
@@ -81,23 +87,37 @@ pub(super) fn run(
     };
     #[cfg(not(feature = "ros"))]
     let () = log;
-    let given = args.commands.as_deref().map(read_commands).transpose()?;
+    #[cfg(feature = "mcap")]
+    let read = |file| given::read(file, args.topic.as_deref(), &loaded.scene.node);
+    #[cfg(not(feature = "mcap"))]
+    let read = given::read;
+    let given = args.commands.as_deref().map(read).transpose()?;
     #[cfg(feature = "mcap")]
     args.record.as_deref().map(recording::reserve).transpose()?;
     let specimen = specimen::build(&loaded, cli.threads(), bars)?;
     let pack = &specimen.pack;
     #[cfg(feature = "ros")]
     let plays = given.is_some();
-    let path = match given {
-        Some(commands) => LoadPath::from(commands),
-        None => LoadPath::new(&loaded.scene.load_path, loaded.folder(), &pack.bounds)?,
+    let (path, recorded) = match given {
+        Some(Commands::Known(commands)) => (LoadPath::from(commands), None),
+        #[cfg(all(feature = "mcap", feature = "ros"))]
+        Some(Commands::Recorded(recorded)) if setup.is_some() => {
+            (LoadPath::from(given::all(recorded)?), None)
+        }
+        #[cfg(feature = "mcap")]
+        Some(Commands::Recorded(recorded)) => (LoadPath::from(Vec::new()), Some(recorded)),
+        None => {
+            let path = LoadPath::new(&loaded.scene.load_path, loaded.folder(), &pack.bounds)?;
+            (path, None)
+        }
     };
     let whereabouts = path.whereabouts();
     let broken = Broken::default();
     let mut twin = Twin::new(&loaded.scene, pack, cli.threads())?;
     let mut summary = Summary::new(&loaded, &specimen);
     let stop = stop::on_signal()?;
-    tracing::info!("{} commands for {} grains", path.length(), pack.grains.len());
+    let length = recorded.as_ref().map_or(path.length(), |recorded| recorded.messages);
+    tracing::info!("{length} commands for {} grains", pack.grains.len());
     #[cfg(feature = "mcap")]
     let mut recording = start_recording(args, &loaded, pack, twin.threads(), &stop)?;
 
@@ -126,10 +146,10 @@ pub(super) fn run(
                 let length = link.length();
                 (link.commands(), length)
             }
-            None => from_path(path, &broken),
+            None => from_file(path, recorded, &broken),
         };
         #[cfg(not(feature = "ros"))]
-        let (mut source, length) = from_path(path, &broken);
+        let (mut source, length) = from_file(path, recorded, &broken);
         #[cfg(feature = "mcap")]
         sinks.extend(recording.as_mut().map(|recording| Box::new(recording) as Box<dyn Sink>));
         sinks.push(Box::new(&mut summary));
@@ -148,25 +168,32 @@ pub(super) fn run(
     }
     served?;
     if let Some(error) = broken.into_inner() {
-        return Err(error.into());
+        return Err(error);
     }
     summary.histograms(twin.coordination());
     output::print(&if args.json { summary.json()? } else { summary.table() })?;
     Ok(if summary.complete() { Outcome::Done } else { Outcome::Incomplete })
 }
 
-/// Why the path ended before its end.
-type Broken = RefCell<Option<PathError>>;
+/// Why the commands ended before their end.
+type Broken = RefCell<Option<Failure>>;
 
-/// The commands of a path, and how many there are.
-fn from_path(path: Option<LoadPath>, broken: &Broken) -> (Box<dyn Source + '_>, Option<usize>) {
+/// The commands of a path or a bag, and how many there are.
+fn from_file(
+    path: Option<LoadPath>,
+    recorded: Option<Recorded>,
+    broken: &Broken,
+) -> (Box<dyn Source + '_>, Option<usize>) {
+    let keep = |failure: Failure| {
+        broken.replace(Some(failure));
+    };
+    if let Some(Recorded { intakes, messages }) = recorded {
+        let intakes = intakes.map_while(move |intake| intake.map_err(keep).ok());
+        return (Box::new(Given(intakes)), Some(messages));
+    }
     let length = path.as_ref().map(LoadPath::length);
-    let commands = path.into_iter().flatten().map_while(|command| match command {
-        Ok(command) => Some(Intake::from(command)),
-        Err(error) => {
-            broken.replace(Some(error));
-            None
-        }
+    let commands = path.into_iter().flatten().map_while(move |command| {
+        command.map(Intake::from).map_err(Failure::from).map_err(keep).ok()
     });
     (Box::new(Given(commands)), length)
 }
@@ -181,15 +208,4 @@ fn start_recording(
 ) -> Result<Option<Recording>, Failure> {
     let folder = args.record.as_deref();
     folder.map(|folder| Recording::start(folder, loaded, pack, threads, stop)).transpose()
-}
-
-/// Commands from a CSV, or from a bag.
-fn read_commands(file: &Path) -> Result<Vec<Command>, Failure> {
-    #[cfg(feature = "mcap")]
-    if file.is_dir() || file.extension().is_some_and(|extension| extension == "mcap") {
-        use graintwin::record::reader::Bag;
-        let bag = Bag::open(file).map_err(Failure::input)?;
-        return bag.commands().collect::<Result<_, _>>().map_err(Failure::input);
-    }
-    Ok(path::read_csv(file)?)
 }

@@ -1,15 +1,16 @@
 //! What a bag is made of, piece by piece.
 
 use std::collections::{BTreeMap, HashMap};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::fields::Record;
+use super::part::Part;
 use super::records::{Records, Stop};
 use super::{Channel, Message, ReadError};
 
 /// A piece of a bag.
-pub(super) enum Item {
+pub(in crate::record) enum Item {
     /// A topic that messages may follow on.
     Channel(Arc<Channel>),
     /// A message.
@@ -33,20 +34,19 @@ pub(super) enum Item {
 }
 
 /// The pieces of a bag's files, one file after the other; ends after the first error.
-pub(super) struct Items<'a> {
-    files: std::slice::Iter<'a, PathBuf>,
-    current: Option<Part<'a>>,
+pub(in crate::record) struct Items {
+    parts: std::vec::IntoIter<Part>,
+    current: Option<Pieces>,
     messages: u64,
 }
 
-impl<'a> Items<'a> {
-    pub(super) fn new(files: &'a [PathBuf]) -> Self {
-        Self { files: files.iter(), current: None, messages: 0 }
+impl Items {
+    pub(super) fn new(parts: Vec<Part>) -> Self {
+        Self { parts: parts.into_iter(), current: None, messages: 0 }
     }
 
-    fn fail(&mut self, path: &Path, stop: Stop) -> ReadError {
-        self.files = [].iter();
-        let path = path.to_owned();
+    fn fail(&mut self, path: PathBuf, stop: Stop) -> ReadError {
+        self.parts = Vec::new().into_iter();
         match stop {
             Stop::Io(error) => ReadError::Io { path, error },
             Stop::Damage(damage) => ReadError::Damaged { path, damage, messages: self.messages },
@@ -54,79 +54,84 @@ impl<'a> Items<'a> {
     }
 }
 
-impl Iterator for Items<'_> {
+impl Iterator for Items {
     type Item = Result<Item, ReadError>;
 
     fn next(&mut self) -> Option<Self::Item> {
         loop {
-            let mut part = match self.current.take() {
-                Some(part) => part,
+            let mut pieces = match self.current.take() {
+                Some(pieces) => pieces,
                 None => {
-                    let path = self.files.next()?;
-                    match Part::open(path) {
-                        Ok(part) => part,
-                        Err(stop) => return Some(Err(self.fail(path, stop))),
+                    let part = self.parts.next()?;
+                    match Records::open(&part) {
+                        Ok(records) => Pieces::new(part.path, records),
+                        Err(error) => return Some(Err(self.fail(part.path, error.into()))),
                     }
                 }
             };
-            match part.next() {
+            match pieces.next() {
                 Some(Ok(item)) => {
                     self.messages += u64::from(matches!(item, Item::Message(_)));
-                    self.current = Some(part);
+                    self.current = Some(pieces);
                     return Some(Ok(item));
                 }
-                Some(Err(stop)) => return Some(Err(self.fail(part.path, stop))),
+                Some(Err(stop)) => return Some(Err(self.fail(pieces.path, stop))),
                 None => {}
             }
         }
     }
 }
 
-/// One file of a bag.
-struct Part<'a> {
-    path: &'a Path,
+/// Most that the descriptions of a file's topics and types may take \[bytes\].
+const DESCRIPTIONS: usize = 16 << 20;
+
+/// What a description takes beside its text \[bytes\].
+const DESCRIPTION: usize = 64;
+
+/// The pieces of one file.
+struct Pieces {
+    path: PathBuf,
     records: Records,
     schemas: HashMap<u16, Schema>,
-    channels: HashMap<u16, Arc<Channel>>,
+    channels: HashMap<u16, Known>,
+    /// Taken by them \[bytes\].
+    described: usize,
 }
 
-#[derive(Default)]
+#[derive(Clone, PartialEq, Eq)]
 struct Schema {
     name: String,
-    text: String,
+    text: Arc<str>,
 }
 
-impl<'a> Part<'a> {
-    fn open(path: &'a Path) -> Result<Self, Stop> {
-        let records = Records::open(path).map_err(Stop::Io)?;
-        Ok(Self { path, records, schemas: HashMap::new(), channels: HashMap::new() })
+/// A channel with the number of its schema.
+struct Known {
+    schema: u16,
+    channel: Arc<Channel>,
+}
+
+impl Pieces {
+    fn new(path: PathBuf, records: Records) -> Self {
+        let (schemas, channels) = Default::default();
+        Self { path, records, schemas, channels, described: 0 }
     }
 
     /// The item a record stands for; none when it is only for the reader.
     fn item(&mut self, record: Record) -> Result<Option<Item>, Stop> {
         Ok(match record {
             Record::Schema { id, name, text } => {
-                self.schemas.insert(id, Schema { name, text });
+                self.schema(id, Schema { name, text: text.into() })?;
                 None
             }
             Record::Channel { id, schema, topic, encoding } => {
-                let schema = self.schemas.get(&schema);
-                let channel = Arc::new(Channel {
-                    topic,
-                    kind: schema.map_or_else(String::new, |schema| schema.name.clone()),
-                    encoding,
-                    definition: schema.map_or_else(String::new, |schema| schema.text.clone()),
-                });
-                // The summary at the end says all channels again.
-                let known = self.channels.insert(id, Arc::clone(&channel));
-                known.is_none().then_some(Item::Channel(channel))
+                self.channel(id, schema, topic, encoding)?.map(Item::Channel)
             }
             Record::Message { channel, log_time, publish_time, data } => {
                 let Some(known) = self.channels.get(&channel) else {
                     let reason = format!("a message on channel {channel}, which is not described");
                     return Err(self.records.damage(reason));
                 };
-                let channel = Arc::clone(known);
+                let channel = Arc::clone(&known.channel);
                 Some(Item::Message(Message { channel, log_time, publish_time, data }))
             }
             Record::Attachment { name, media_type, data } => {
@@ -136,9 +141,62 @@ impl<'a> Part<'a> {
             Record::Other => None,
         })
     }
+
+    /// Notes a type. The summary at the end says all of them again.
+    fn schema(&mut self, id: u16, schema: Schema) -> Result<(), Stop> {
+        let reason = match self.schemas.get(&id) {
+            _ if id == 0 => "type 0 is described: it stands for none".into(),
+            Some(known) if *known == schema => return Ok(()),
+            Some(_) => format!("type {id} is described a second time, and otherwise"),
+            None => {
+                self.describe(schema.name.len() + schema.text.len())?;
+                self.schemas.insert(id, schema);
+                return Ok(());
+            }
+        };
+        Err(self.records.damage(reason))
+    }
+
+    /// Notes a topic, and tells it when it is new.
+    fn channel(
+        &mut self,
+        id: u16,
+        schema: u16,
+        topic: String,
+        encoding: String,
+    ) -> Result<Option<Arc<Channel>>, Stop> {
+        if let Some(known) = self.channels.get(&id) {
+            let Channel { topic: old_topic, encoding: old_encoding, .. } = &*known.channel;
+            let same = (known.schema, old_topic, old_encoding) == (schema, &topic, &encoding);
+            let reason = format!("channel {id} is described a second time, and otherwise");
+            return if same { Ok(None) } else { Err(self.records.damage(reason)) };
+        }
+        let (kind, definition) = match self.schemas.get(&schema) {
+            Some(schema) => (schema.name.clone(), Arc::clone(&schema.text)),
+            None if schema == 0 => (String::new(), "".into()),
+            None => {
+                let reason = format!("channel {id} has type {schema}, which is not described");
+                return Err(self.records.damage(reason));
+            }
+        };
+        self.describe(topic.len() + encoding.len())?;
+        let channel = Arc::new(Channel { topic, kind, encoding, definition });
+        self.channels.insert(id, Known { schema, channel: Arc::clone(&channel) });
+        Ok(Some(channel))
+    }
+
+    /// Counts a description of `bytes`.
+    fn describe(&mut self, bytes: usize) -> Result<(), Stop> {
+        self.described = self.described.saturating_add(bytes).saturating_add(DESCRIPTION);
+        if self.described <= DESCRIPTIONS {
+            return Ok(());
+        }
+        let reason = format!("topics and types are described in more than {DESCRIPTIONS} bytes");
+        Err(self.records.damage(reason))
+    }
 }
 
-impl Iterator for Part<'_> {
+impl Iterator for Pieces {
     type Item = Result<Item, Stop>;
 
     fn next(&mut self) -> Option<Self::Item> {
