@@ -13,6 +13,8 @@ pub mod cdr;
 mod circumstance;
 pub mod convert;
 pub mod diagnostics;
+#[cfg(feature = "mcap")]
+pub mod fields;
 pub mod graintwin;
 pub mod rcl;
 pub mod schema;

@@ -31,6 +31,7 @@ mod bag;
 mod beside;
 mod metadata;
 pub mod reader;
+pub mod replay;
 mod target;
 mod worker;
 

@@ -86,6 +86,18 @@ impl Link {
         Ok(Self { node, rig, changes })
     }
 
+    /// Starts the node that `setup` describes, without taking commands from anybody.
+    #[cfg(feature = "mcap")]
+    pub(super) fn replaying(
+        scene: &Scene,
+        setup: Setup,
+        stop: &Arc<AtomicBool>,
+    ) -> Result<Self, Failure> {
+        let node = Node::start(&scene.node, setup, &scene.outputs, stop).map_err(Failure::other)?;
+        node.end_of_commands().declare();
+        Ok(Self { node, rig: None, changes: None })
+    }
+
     /// Starts the diagnostics; the `recording` gets what the solver does not see.
     pub(super) fn diagnose(
         &mut self,

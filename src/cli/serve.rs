@@ -151,13 +151,8 @@ fn answer(twin: &mut Twin, outputs: Outputs, asked: Asked, sinks: &mut [Box<dyn 
 }
 
 /// What the scene orders and what the sinks want of the next increment.
-fn demand(outputs: Outputs, sinks: &[Box<dyn Sink + '_>]) -> Demand {
-    let wanted =
-        sinks.iter().map(|sink| sink.demand()).fold(Demand::default(), |all, one| Demand {
-            state: all.state || one.state,
-            moduli: all.moduli || one.moduli,
-            contact_network: all.contact_network || one.contact_network,
-        });
+pub(super) fn demand(outputs: Outputs, sinks: &[Box<dyn Sink + '_>]) -> Demand {
+    let wanted = sinks.iter().map(|sink| sink.demand()).fold(Demand::default(), Demand::or);
     ordered(outputs, wanted)
 }
 
@@ -185,7 +180,7 @@ fn timed(answer: impl FnOnce() -> Report) -> Report {
     report
 }
 
-fn took(report: &mut Report, start: Instant) {
+pub(super) fn took(report: &mut Report, start: Instant) {
     if let Some(state) = report.measures.as_mut().and_then(|measures| measures.state.as_mut()) {
         state.solve_seconds = start.elapsed().as_secs_f64();
     }

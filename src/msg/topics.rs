@@ -149,13 +149,24 @@ pub static ROSOUT: Topic = Topic::new("/rosout", Log::TYPE, 1000).latched();
 /// Out: [`ParameterEvent`].
 pub static PARAMETER_EVENTS: Topic = Topic::new("/parameter_events", ParameterEvent::TYPE, 1000);
 
+/// The topics of what the twin measures.
+pub fn measures() -> impl Iterator<Item = &'static Topic> {
+    [&WALL_FORCES].into_iter().chain(&WALL_WRENCH).chain([
+        &WALL_STATES,
+        &STATE,
+        &MODULI,
+        &CONTACT_NETWORK,
+        &EVENTS,
+        &TF_STATIC,
+    ])
+}
+
 /// Every topic that can be recorded, commands first.
 pub fn all() -> impl Iterator<Item = &'static Topic> {
-    [&BOUNDARY_COMMAND, &WALL_TARGETS, &CIRCUMSTANCE, &REPORT, &WALL_FORCES]
+    [&BOUNDARY_COMMAND, &WALL_TARGETS, &CIRCUMSTANCE, &REPORT]
         .into_iter()
-        .chain(&WALL_WRENCH)
-        .chain([&WALL_STATES, &STATE, &MODULI, &CONTACT_NETWORK, &EVENTS])
+        .chain(measures())
         .chain(&MEASURED_WRENCH)
         .chain([&DISCREPANCY, &JOINT_STATES, &JOINT_TRAJECTORY])
-        .chain([&DIAGNOSTICS, &ROSOUT, &PARAMETER_EVENTS, &TF_STATIC])
+        .chain([&DIAGNOSTICS, &ROSOUT, &PARAMETER_EVENTS])
 }

@@ -105,6 +105,12 @@ impl Bag {
         Self { path: name.to_owned(), parts: vec![Part::from_bytes(name, bytes.into())] }
     }
 
+    /// The folder or file that it is.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// Every message, file by file in the order of the files.
     pub fn messages(&self) -> impl Iterator<Item = Result<Message, ReadError>> + '_ {
         self.items().filter_map(|item| match item {

@@ -45,6 +45,12 @@ impl Items {
         Self { parts: parts.into_iter(), current: None, messages: 0 }
     }
 
+    /// Gives nothing more.
+    pub(in crate::record) fn end(&mut self) {
+        self.parts = Vec::new().into_iter();
+        self.current = None;
+    }
+
     fn fail(&mut self, path: PathBuf, stop: Stop) -> ReadError {
         self.parts = Vec::new().into_iter();
         match stop {
