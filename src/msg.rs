@@ -16,7 +16,6 @@ pub mod diagnostics;
 #[cfg(feature = "mcap")]
 pub mod fields;
 pub mod graintwin;
-#[cfg(feature = "ros")]
 pub mod rcl;
 pub mod schema;
 pub mod services;

@@ -2,12 +2,13 @@
 
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use graintwin::command::circumstance::Happened;
 use graintwin::pack::{self, Pack};
 use graintwin::record::{Closing, HISTORY, Provenance, RecordError, Recorded, Recorder, claim};
 use graintwin::report::Demand;
-use graintwin::scene::Loaded;
+use graintwin::scene::{Loaded, OnFailure};
 use graintwin::sink::{Served, Sink};
 
 use super::Failure;
@@ -17,10 +18,9 @@ pub(super) fn reserve(folder: &Path) -> Result<(), Failure> {
     claim(folder).map_err(Failure::input)
 }
 
-/// A recorder that says on stderr when it fails.
+/// A recorder that says on stderr when it fails, and ends the run then if the scene says so.
 pub(super) struct Recording {
     recorder: Recorder,
-    told: bool,
 }
 
 impl Recording {
@@ -29,6 +29,7 @@ impl Recording {
         loaded: &Loaded,
         pack: &Pack,
         threads: usize,
+        stop: &Arc<AtomicBool>,
     ) -> Result<Self, Failure> {
         let pack = pack::texts(pack, HISTORY)?;
         let provenance = Provenance {
@@ -39,8 +40,19 @@ impl Recording {
             threads,
             seed: loaded.scene.pack.seed(),
         };
-        let recorder = Recorder::create(folder, &loaded.scene.record, &provenance);
-        Ok(Self { recorder: recorder.map_err(Failure::input)?, told: false })
+        let settings = &loaded.scene.record;
+        let recorder = Recorder::create(folder, settings, &provenance).map_err(Failure::input)?;
+        let (on_failure, stop) = (settings.on_failure, Arc::clone(stop));
+        recorder.tell_failure(move |failure| match on_failure {
+            OnFailure::Continue => {
+                tracing::error!("{failure}; the run goes on without recording");
+            }
+            OnFailure::Stop => {
+                tracing::error!("{failure}; the run ends after this increment");
+                stop.store(true, Ordering::SeqCst);
+            }
+        });
+        Ok(Self { recorder })
     }
 
     /// The recording for the node.
@@ -70,11 +82,5 @@ impl Sink for &mut Recording {
 
     fn served(&mut self, served: &Arc<Served>) {
         self.recorder.served(served);
-        if !self.told
-            && let Some(failure) = self.recorder.failure()
-        {
-            tracing::error!("{failure}; the run goes on without recording");
-            self.told = true;
-        }
     }
 }

@@ -2,6 +2,8 @@
 
 use std::cell::RefCell;
 use std::path::PathBuf;
+#[cfg(feature = "mcap")]
+use std::sync::{Arc, atomic::AtomicBool};
 
 use indicatif::MultiProgress;
 
@@ -117,7 +119,7 @@ pub(super) fn run(
     let length = recorded.as_ref().map_or(path.length(), |recorded| recorded.messages);
     tracing::info!("{length} commands for {} grains", pack.grains.len());
     #[cfg(feature = "mcap")]
-    let mut recording = start_recording(args, &loaded, pack, twin.threads())?;
+    let mut recording = start_recording(args, &loaded, pack, twin.threads(), &stop)?;
 
     #[cfg(feature = "ros")]
     let (mut link, path) = match setup {
@@ -202,7 +204,8 @@ fn start_recording(
     loaded: &Loaded,
     pack: &Pack,
     threads: usize,
+    stop: &Arc<AtomicBool>,
 ) -> Result<Option<Recording>, Failure> {
     let folder = args.record.as_deref();
-    folder.map(|folder| Recording::start(folder, loaded, pack, threads)).transpose()
+    folder.map(|folder| Recording::start(folder, loaded, pack, threads, stop)).transpose()
 }

@@ -43,6 +43,14 @@ struct Half {
     messages: Vec<Message>,
 }
 
+impl Half {
+    /// Frames that another file repeats belong to no answer.
+    fn forget_frames(&mut self) {
+        let frames = topics::TF_STATIC.recorded_name();
+        self.messages.retain(|message| message.channel.topic != frames);
+    }
+}
+
 /// Commands that led to one increment.
 struct Applied {
     increment: u64,
@@ -57,6 +65,8 @@ enum Role {
     Circumstance,
     Report,
     Measure,
+    /// Those of the walls: measured at a start, and repeated in front of each further file.
+    Frames,
     /// It came or went beside the twin.
     Beside,
 }
@@ -91,7 +101,7 @@ impl Tape {
     fn take(&mut self, message: Message) -> Result<(), ReplayError> {
         self.number += 1;
         let role = role(&message.channel.topic);
-        if !matches!(role, Role::Beside) {
+        if !matches!(role, Role::Beside | Role::Frames) {
             self.half.time.get_or_insert(message.log_time);
         }
         let wrong = |path: &PathBuf, number, reason: String| ReplayError::Tape {
@@ -102,11 +112,16 @@ impl Tape {
         };
         match role {
             Role::Beside => {}
+            Role::Frames => {
+                self.half.forget_frames();
+                self.half.messages.push(message);
+            }
             Role::Measure => self.half.messages.push(message),
             Role::Command => {
                 let command =
                     command(&message).map_err(|reason| wrong(&self.path, self.number, reason))?;
                 self.half.command = Some(command);
+                self.half.forget_frames();
             }
             Role::Circumstance => {
                 let happened = cdr::decode::<msg::Circumstance>(&message.data)
@@ -226,6 +241,8 @@ fn role(topic: &str) -> Role {
         Role::Circumstance
     } else if is(&topics::REPORT) {
         Role::Report
+    } else if is(&topics::TF_STATIC) {
+        Role::Frames
     } else if topics::measures().any(is) {
         Role::Measure
     } else {
