@@ -160,7 +160,8 @@ fn record(folder: &Path, came: Vec<Comes>) -> u64 {
     {
         let mut sinks: Vec<Box<dyn Sink + '_>> = vec![Box::new(&mut count)];
         let how = (scene.outputs, Late::Merge);
-        serve(&mut twin, how, &mut source, &mut sinks, &AtomicBool::new(false)).unwrap();
+        start(&mut twin, how.0, &mut sinks).unwrap();
+        serve(&mut twin, how, &mut source, &mut sinks, &AtomicBool::new(false));
     }
     let answers = count.1;
     recorder.close_with(Closing { increment: twin.increment(), digest: twin.digest() });
