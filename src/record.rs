@@ -31,7 +31,9 @@ mod bag;
 mod beside;
 mod metadata;
 pub mod reader;
+pub mod recover;
 pub mod replay;
+mod role;
 mod target;
 mod worker;
 
@@ -51,6 +53,7 @@ use crate::sink::{Served, Sink};
 
 use bag::{BagError, BagWriter, Making};
 pub use beside::RecorderHandle;
+use recover::Resumed;
 use target::Target;
 pub use target::claim;
 use worker::{Beginning, Item, Status, Worker};
@@ -70,6 +73,9 @@ pub const PROGRAM: &str = "graintwin";
 
 /// Name of the metadata record with what the run came to; a run that was killed leaves none.
 pub const END: &str = "graintwin_end";
+
+/// Name of the metadata record in files that were recovered.
+pub const RECOVERED: &str = "graintwin_recovered";
 
 /// What made a recording, so that it can be made again.
 #[derive(Clone, Debug)]
@@ -130,6 +136,14 @@ pub enum RecordError {
         /// What the system said.
         reason: String,
     },
+    /// A recording cannot go on.
+    #[error("cannot go on with the recording in {}: {reason}", .path.display())]
+    Resume {
+        /// The folder.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// Writing failed during the run or at its end.
     #[error(
         "recording {} failed: {reason}; answers and messages beside them that are lost: {lost}",
@@ -172,6 +186,21 @@ impl Recorder {
         Self::start(target, making, Beginning::default(), |to, making| {
             BagWriter::first(to, making, provenance, worker::now())
         })
+    }
+
+    /// Goes on with the recording in `folder`, whose files must be whole
+    /// ([`recover::in_place`]), in a new file. The attachments stay those of the first.
+    ///
+    /// # Errors
+    /// When `folder` holds no such recording, or cannot be written.
+    pub fn resume(
+        folder: &Path,
+        settings: &scene::Record,
+        provenance: &Provenance,
+    ) -> Result<Self, RecordError> {
+        let Resumed { target, beginning, past } = recover::resumed(folder)?;
+        let making = Making::new(settings, provenance);
+        Self::start(target, making, beginning, |to, making| BagWriter::next(to, making, past))
     }
 
     /// Begins the file that `beginning` names with what `begin` writes, and the thread.

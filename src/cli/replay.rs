@@ -124,7 +124,9 @@ pub(super) fn run(
     let () = log;
     let mut recording = match &args.record {
         None => None,
-        Some(folder) => Some(Recording::start(folder, &loaded, &specimen.pack, twin.threads())?),
+        Some(folder) => {
+            Some(Recording::start(folder, &loaded, &specimen.pack, twin.threads(), &stop)?)
+        }
     };
     #[cfg(feature = "ros")]
     if let Some(link) = &mut link {

@@ -8,9 +8,10 @@ use super::step::{Act, Answer, Step};
 use crate::command::circumstance::{Circumstance, Happened};
 use crate::command::request::Request;
 use crate::command::{Command, Disposition};
-use crate::msg::topics::{self, Topic};
+use crate::msg::topics;
 use crate::msg::{self, BoundaryCommand, Described, WallTargets, cdr};
 use crate::record::reader::{Bag, Item, Items, Message};
+use crate::record::role::Role;
 use crate::record::{Closing, END};
 
 /// The steps of a run in order; see [`Replay::tape`](super::Replay::tape).
@@ -59,18 +60,6 @@ struct Applied {
     answers: Vec<Answer>,
 }
 
-/// What a message is to the tape.
-enum Role {
-    Command,
-    Circumstance,
-    Report,
-    Measure,
-    /// Those of the walls: measured at a start, and repeated in front of each further file.
-    Frames,
-    /// It came or went beside the twin.
-    Beside,
-}
-
 impl Tape {
     pub(super) fn new(bag: &Bag) -> Self {
         Self {
@@ -100,7 +89,7 @@ impl Tape {
 
     fn take(&mut self, message: Message) -> Result<(), ReplayError> {
         self.number += 1;
-        let role = role(&message.channel.topic);
+        let role = Role::of(&message.channel.topic);
         if !matches!(role, Role::Beside | Role::Frames) {
             self.half.time.get_or_insert(message.log_time);
         }
@@ -156,6 +145,8 @@ impl Tape {
 
     /// The report of the step at hand has come: its answer is whole.
     fn answered(&mut self, report: &msg::Report) {
+        // A recording may have gone on after a run's end.
+        self.closing = None;
         let Half { time, command, age, malformed, reset, messages } =
             std::mem::take(&mut self.half);
         let (time, answer) = (time.unwrap_or(0), Answer { messages });
@@ -229,24 +220,6 @@ impl Iterator for Tape {
                 self.items.end();
             }
         }
-    }
-}
-
-/// What the messages on a topic are to the tape.
-fn role(topic: &str) -> Role {
-    let is = |known: &Topic| known.recorded_name() == topic;
-    if is(&topics::BOUNDARY_COMMAND) || is(&topics::WALL_TARGETS) {
-        Role::Command
-    } else if is(&topics::CIRCUMSTANCE) {
-        Role::Circumstance
-    } else if is(&topics::REPORT) {
-        Role::Report
-    } else if is(&topics::TF_STATIC) {
-        Role::Frames
-    } else if topics::measures().any(is) {
-        Role::Measure
-    } else {
-        Role::Beside
     }
 }
 
