@@ -17,7 +17,6 @@ pub mod diagnostics;
 pub mod fields;
 pub mod graintwin;
 pub mod picture;
-#[cfg(feature = "ros")]
 pub mod rcl;
 pub mod schema;
 pub mod services;

@@ -14,6 +14,7 @@ use graintwin::msg::picture::{
     ColorRGBA, CompressedImage, Marker, MarkerArray, MeshFile, Point, PointCloud2, PointField,
     Pose, UVCoordinate,
 };
+use graintwin::msg::rcl::{Log, Parameter, ParameterEvent, ParameterValue};
 use graintwin::msg::services::{SavePack, Service, SetBool, Trigger};
 use graintwin::msg::{
     BoundaryCommand, Circumstance, Clock, ContactNetwork, Described, DiagnosticArray,
@@ -67,6 +68,7 @@ fn assert_same_fields<T: Described + DeserializeOwned>() {
         .filter_map(|line| match line {
             // A byte is what Rust calls a u8.
             Line::Field("byte", name) => Some(format!("uint8 {name}")),
+            Line::Field("byte[]", name) => Some(format!("uint8[] {name}")),
             Line::Field(kind, name) => Some(format!("{} {name}", kind.rsplit('/').next()?)),
             Line::Constant(..) => None,
         })
@@ -113,6 +115,10 @@ fn every_struct_has_the_fields_of_its_text() {
     assert_same_fields::<MeshFile>();
     assert_same_fields::<Marker>();
     assert_same_fields::<MarkerArray>();
+    assert_same_fields::<ParameterValue>();
+    assert_same_fields::<Parameter>();
+    assert_same_fields::<ParameterEvent>();
+    assert_same_fields::<Log>();
 }
 
 /// The fields of `T` as a `.srv` text writes them.

@@ -10,8 +10,6 @@ use std::time::Instant;
 use indicatif::MultiProgress;
 
 use graintwin::command::circumstance::Happened;
-#[cfg(feature = "ros")]
-use graintwin::node::Setup;
 use graintwin::record::reader::Bag;
 use graintwin::record::replay::{Compared, Difference, Replay, Step};
 use graintwin::record::{Closing, replay};
@@ -19,7 +17,6 @@ use graintwin::relax::lanes;
 use graintwin::scene::{self, Loaded};
 use graintwin::sink::Sink;
 use graintwin::twin::Twin;
-use graintwin::view::picture::Painter;
 
 use super::log::ForNode;
 use super::progress::Progress;
@@ -120,9 +117,6 @@ pub(super) fn run(
         let mut scene = loaded.scene.clone();
         scene.node.virtual_rig = false;
         let setup = ros::setup(args.ros, cli, &mut scene, log)?;
-        // Of this scene: the command line may scale what is shown.
-        let painter = Painter::new(&scene, &replay.pack.bounds);
-        let setup = setup.map(|setup| Setup { painter: Some(painter), ..setup });
         let started = setup.map(|setup| Link::replaying(&scene, setup, &stop)).transpose()?;
         started
     };
@@ -130,7 +124,9 @@ pub(super) fn run(
     let () = log;
     let mut recording = match &args.record {
         None => None,
-        Some(folder) => Some(Recording::start(folder, &loaded, &specimen.pack, twin.threads())?),
+        Some(folder) => {
+            Some(Recording::start(folder, &loaded, &specimen.pack, twin.threads(), &stop)?)
+        }
     };
     #[cfg(feature = "ros")]
     if let Some(link) = &mut link {
@@ -142,7 +138,6 @@ pub(super) fn run(
         pace: Pace::new(args.rate(cli), Arc::clone(&stop)),
         outputs: loaded.scene.outputs,
         compared: args.verify.then(Compared::default),
-        painter: Painter::new(&replay.scene, &replay.pack.bounds),
     };
     let mut tape = replay.tape();
     let mut error = None;
@@ -253,7 +248,6 @@ struct Run<'a> {
     pace: Pace,
     outputs: scene::Outputs,
     compared: Option<Compared>,
-    painter: Painter,
 }
 
 impl Run<'_> {
@@ -261,7 +255,7 @@ impl Run<'_> {
     fn step(&mut self, step: &Step, sinks: &mut [Box<dyn Sink + '_>]) -> Result<(), Difference> {
         let live = serve::demand(self.outputs, sinks);
         let demand = match self.compared {
-            Some(_) => live.or(serve::ordered(self.outputs, step.demand())),
+            Some(_) => live.or(step.demand()),
             None => live,
         };
         let start = Instant::now();
@@ -271,12 +265,11 @@ impl Run<'_> {
         }
         if let Some(compared) = &mut self.compared {
             compared.request(step, said.as_ref())?;
-            compared.answers(step, &mut served, &self.painter)?;
+            compared.answers(step, &mut served)?;
         }
         self.circumstances(step, said, sinks);
         for served in served {
-            let served = Arc::new(served);
-            sinks.iter_mut().for_each(|sink| sink.served(&served));
+            serve::give(served, sinks);
         }
         Ok(())
     }

@@ -115,7 +115,7 @@ impl<'a> Replay<'a> {
 
     /// The run step by step.
     #[must_use]
-    pub fn tape(&self) -> Tape<'a> {
+    pub fn tape(&self) -> Tape {
         Tape::new(self.bag)
     }
 }

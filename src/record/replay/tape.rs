@@ -8,18 +8,19 @@ use super::step::{Act, Answer, Step};
 use crate::command::circumstance::{Circumstance, Happened};
 use crate::command::request::Request;
 use crate::command::{Command, Disposition};
-use crate::msg::topics::{self, Topic};
+use crate::msg::topics;
 use crate::msg::{self, BoundaryCommand, Described, WallTargets, cdr};
 use crate::record::reader::{Bag, Item, Items, Message};
+use crate::record::role::Role;
 use crate::record::{Closing, END};
 
 /// The steps of a run in order; see [`Replay::tape`](super::Replay::tape).
 ///
 /// An answer without its report was cut off, and is left out with all that follows. The iterator
 /// ends after its first error; where the bag is damaged that is the last item.
-pub struct Tape<'a> {
+pub struct Tape {
     path: PathBuf,
-    items: Items<'a>,
+    items: Items,
     /// Messages so far.
     number: u64,
     /// What has been read of the step at hand.
@@ -43,6 +44,14 @@ struct Half {
     messages: Vec<Message>,
 }
 
+impl Half {
+    /// Frames that another file repeats belong to no answer.
+    fn forget_frames(&mut self) {
+        let frames = topics::TF_STATIC.recorded_name();
+        self.messages.retain(|message| message.channel.topic != frames);
+    }
+}
+
 /// Commands that led to one increment.
 struct Applied {
     increment: u64,
@@ -51,18 +60,8 @@ struct Applied {
     answers: Vec<Answer>,
 }
 
-/// What a message is to the tape.
-enum Role {
-    Command,
-    Circumstance,
-    Report,
-    Measure,
-    /// It came or went beside the twin.
-    Beside,
-}
-
-impl<'a> Tape<'a> {
-    pub(super) fn new(bag: &'a Bag) -> Self {
+impl Tape {
+    pub(super) fn new(bag: &Bag) -> Self {
         Self {
             path: bag.path().into(),
             items: bag.items(),
@@ -90,8 +89,8 @@ impl<'a> Tape<'a> {
 
     fn take(&mut self, message: Message) -> Result<(), ReplayError> {
         self.number += 1;
-        let role = role(&message.channel.topic);
-        if !matches!(role, Role::Beside) {
+        let role = Role::of(&message.channel.topic);
+        if !matches!(role, Role::Beside | Role::Frames) {
             self.half.time.get_or_insert(message.log_time);
         }
         let wrong = |path: &PathBuf, number, reason: String| ReplayError::Tape {
@@ -102,11 +101,16 @@ impl<'a> Tape<'a> {
         };
         match role {
             Role::Beside => {}
+            Role::Frames => {
+                self.half.forget_frames();
+                self.half.messages.push(message);
+            }
             Role::Measure => self.half.messages.push(message),
             Role::Command => {
                 let command =
                     command(&message).map_err(|reason| wrong(&self.path, self.number, reason))?;
                 self.half.command = Some(command);
+                self.half.forget_frames();
             }
             Role::Circumstance => {
                 let happened = cdr::decode::<msg::Circumstance>(&message.data)
@@ -141,6 +145,8 @@ impl<'a> Tape<'a> {
 
     /// The report of the step at hand has come: its answer is whole.
     fn answered(&mut self, report: &msg::Report) {
+        // A recording may have gone on after a run's end.
+        self.closing = None;
         let Half { time, command, age, malformed, reset, messages } =
             std::mem::take(&mut self.half);
         let (time, answer) = (time.unwrap_or(0), Answer { messages });
@@ -180,7 +186,7 @@ impl<'a> Tape<'a> {
     }
 }
 
-impl Iterator for Tape<'_> {
+impl Iterator for Tape {
     type Item = Result<Step, ReplayError>;
 
     fn next(&mut self) -> Option<Self::Item> {
@@ -214,22 +220,6 @@ impl Iterator for Tape<'_> {
                 self.items.end();
             }
         }
-    }
-}
-
-/// What the messages on a topic are to the tape.
-fn role(topic: &str) -> Role {
-    let is = |known: &Topic| known.recorded_name() == topic;
-    if is(&topics::BOUNDARY_COMMAND) || is(&topics::WALL_TARGETS) {
-        Role::Command
-    } else if is(&topics::CIRCUMSTANCE) {
-        Role::Circumstance
-    } else if is(&topics::REPORT) {
-        Role::Report
-    } else if topics::measures().any(is) {
-        Role::Measure
-    } else {
-        Role::Beside
     }
 }
 
