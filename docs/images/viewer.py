@@ -26,7 +26,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 LINE_LIST, SPHERE_LIST = 5, 7
 WALLS = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max")
 STRAIN = "axial strain [µm/m]"
-SIZE = (1600, 900)
+SIZE = (1600, 720)
 PATIENCE_SECONDS = 300
 
 
@@ -113,7 +113,7 @@ def views(array, strains):
     places = numpy.array([[m.pose.position.x, m.pose.position.y, m.pose.position.z] for m in walls])
     middle, largest = places.mean(axis=0), (places.max(axis=0) - places.min(axis=0)).max()
     eye = layout.EyeControls3D(
-        position=middle + largest * numpy.array([1.5, -2.1, 1.1]),
+        position=middle + largest * numpy.array([1.25, -1.75, 0.95]),
         look_target=middle,
         eye_up=[0.0, 0.0, 1.0],
     )
@@ -131,11 +131,17 @@ def views(array, strains):
     whole = layout.TimeAxis(
         view_range=rerun.TimeRange(
             rerun.TimeRangeBoundary.absolute(seq=min(strains)),
-            rerun.TimeRangeBoundary.absolute(seq=max(strains)),
+            # With a little room for the last number of the axis.
+            rerun.TimeRangeBoundary.absolute(seq=max(strains) + max(strains) // 12),
         )
     )
     curves = [
-        layout.TimeSeriesView(origin=origin, name=f"{what} over {STRAIN}", axis_x=whole)
+        layout.TimeSeriesView(
+            origin=origin,
+            name=f"{what} over {STRAIN}",
+            axis_x=whole,
+            plot_legend=rerun.blueprint.Corner2D.RightBottom,
+        )
         for origin, what in (("forces", "wall forces [N]"), ("stresses", "stresses [MPa]"))
     ]
     return layout.Blueprint(
