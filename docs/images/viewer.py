@@ -140,7 +140,7 @@ def views(array, strains):
             origin=origin,
             name=f"{what} over {STRAIN}",
             axis_x=whole,
-            plot_legend=rerun.blueprint.Corner2D.RightBottom,
+            plot_legend=rerun.blueprint.Corner2D.LeftTop,
         )
         for origin, what in (("forces", "wall forces [N]"), ("stresses", "stresses [MPa]"))
     ]
