@@ -9,7 +9,7 @@ use super::job::{self, Job, Sender};
 use super::log::ForNode;
 use super::orders::Feed;
 use super::resume::Earlier;
-use super::{Cli, Failure, Outcome, given, ros};
+use super::{Cli, Failure, Outcome, given, ros, stop};
 
 /// Makes or loads the pack of a scene and serves commands until they end or Ctrl-C.
 ///
@@ -77,7 +77,9 @@ pub(super) fn run(
         }
         (None, Some(earlier)) => earlier.scene()?,
         // The parser asks for one of them.
-        (None, None) => return Err(Failure::Input(anyhow!("no scene; allowed: SCENE or --resume"))),
+        (None, None) => {
+            return Err(Failure::Input(anyhow!("no scene; allowed: SCENE or --resume")));
+        }
     };
     let setup = ros::setup(args.ros(), cli, &mut loaded.scene, log)?;
     let given = args.commands.as_deref();
@@ -88,7 +90,8 @@ pub(super) fn run(
     };
     let feed = feed.unwrap_or(Feed::Scene);
     let (record, json) = (args.record(), args.json);
-    job::carry_out(Job { cli, bars, loaded, feed, setup, sender, record, earlier, json })
+    let stop = stop::on_signal()?;
+    job::carry_out(Job { cli, bars, stop, loaded, feed, setup, sender, record, earlier, json })
 }
 
 impl Args {
