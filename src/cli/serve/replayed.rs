@@ -154,7 +154,7 @@ fn record(folder: &Path, came: Vec<Comes>) -> u64 {
         pack_history: None,
         threads: 1,
         seed: 0,
-        painter: Some(Painter::new(scene, &pack.bounds)),
+        painter: Some(Painter::new(&scene, &pack.bounds)),
     };
     let mut recorder = Recorder::create(folder, &scene.record, &provenance).unwrap();
     let mut source = Came { waiting: came.into(), changes: VecDeque::new() };
