@@ -104,6 +104,33 @@ fn pictures_are_recorded_when_the_scene_says() {
     }
 }
 
+/// Chains are drawn from what is measured, whether the contacts themselves are recorded or not.
+#[test]
+fn pictures_are_made_again_whatever_else_is_recorded() {
+    let pack = "pack: {generate: {grains: 60, radius: {uniform: [1.0e-3, 1.2e-3]}, \
+                material: glass, confining_stress: 1.0e6}}\n\
+                load_path: [uniaxial: {axis: z, strain: 1.0e-3, increments: 7}]\n";
+    let folder = tempfile::tempdir().unwrap();
+    for (number, orders) in [
+        "record: {exclude: [state, contact_network, grains]}\n",
+        "outputs: {contact_network: never}\nview: {every: 3, color: displacement}\n",
+        "record: {exclude: [markers]}\nview: {range: [0, 1e6]}\n",
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let own = folder.path().join(number.to_string());
+        fs::create_dir(&own).unwrap();
+        let bag = record(&own, &format!("{pack}{orders}"));
+        let output = Command::new(env!("CARGO_BIN_EXE_graintwin"))
+            .args(["replay", "--verify"])
+            .arg(&bag)
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{orders}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+}
+
 fn draw(scene: &Scene, measures: &Measures, side: f64) -> MarkerArray {
     Painter::new(scene, &centered([side; 3])).markers(measures).unwrap()
 }
