@@ -96,7 +96,7 @@ fn pictures_are_recorded_when_the_scene_says() {
         let bag = record(&own, &format!("{pack}{view}\n"));
         let text = fs::read_to_string(bag.join("metadata.yaml")).unwrap();
         for topic in ["grains", "markers"] {
-            let at = text.find(&format!("name: /graintwin/{topic}\n")).unwrap();
+            let at = text.find(&format!("name: \"/graintwin/{topic}\"\n")).unwrap();
             let count = text[at..].split("message_count: ").nth(1).unwrap();
             let count: u32 = count.split_whitespace().next().unwrap().parse().unwrap();
             assert_eq!(count, expected, "{name} {topic}");
