@@ -4,6 +4,7 @@ use super::chart::{Chart, Pattern, Series};
 use super::layout::{LABEL, NOTE, rows, width, wrapped};
 use super::scale::{Kind, Scale};
 use super::svg::{Anchor, Svg};
+use super::thin::{apart, thinned};
 
 /// Height of a row of the legend, and of a line of notes \[pixels\].
 const ROW: f64 = 18.0;
@@ -147,20 +148,19 @@ fn line(svg: &mut Svg, frame: &Frame, chart: &Chart, series: &Series) {
     }
     let few = stroke.pattern == Pattern::Solid && series.points.len() <= MOST_DOTS;
     let marked = few || stroke.pattern == Pattern::Dots;
-    for piece in chart.pieces(series) {
-        let places: Vec<[f64; 2]> = piece.iter().map(|point| frame.place(*point)).collect();
-        if places.len() > 1 {
-            match stroke.pattern {
-                Pattern::Solid => svg.polyline(&places),
-                Pattern::Dashed => svg.dashed(&places),
-                Pattern::Dots => {}
-            }
-        }
-        // A point between two gaps would not be seen as a line.
-        if marked || places.len() == 1 {
-            places.iter().for_each(|place| svg.dot(*place, dot_radius(series)));
+    let place = |piece: &[[f64; 2]]| piece.iter().map(|point| frame.place(*point)).collect();
+    let mut pieces: Vec<Vec<[f64; 2]>> = chart.pieces(series).map(place).collect();
+    // A point between two gaps would not be seen as a line.
+    let dots = pieces.iter().filter(|piece| marked || piece.len() == 1);
+    let dots = apart(&dots.flatten().copied().collect::<Vec<_>>());
+    pieces.retain(|piece| piece.len() > 1 && stroke.pattern != Pattern::Dots);
+    for piece in thinned(pieces) {
+        match stroke.pattern {
+            Pattern::Dashed => svg.dashed(&piece),
+            _ => svg.polyline(&piece),
         }
     }
+    dots.iter().for_each(|place| svg.dot(*place, dot_radius(series)));
     svg.end();
 }
 

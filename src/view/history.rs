@@ -48,6 +48,8 @@ pub struct Forces {
     pub increment: u64,
     /// Normal forces \[N\].
     pub normal: Vec<f64>,
+    /// Magnitudes of the tangential forces \[N\].
+    pub tangential: Vec<f64>,
 }
 
 /// What all contacts of one equilibrium carry together.
@@ -59,6 +61,13 @@ pub struct Load {
     pub normal: f64,
     /// Sum of the magnitudes of the tangential forces \[N\].
     pub tangential: f64,
+}
+
+impl Forces {
+    fn extend(&mut self, more: &Self) {
+        self.normal.extend(&more.normal);
+        self.tangential.extend(&more.tangential);
+    }
 }
 
 /// What is read of a scene; it may be of another version.
@@ -121,9 +130,11 @@ impl History {
 
     /// A live network comes in chunks, which follow upon each other.
     fn add_network(&mut self, network: ContactNetwork) {
-        self.add_load(&network);
+        let size = |force: &[f64]| force.iter().map(|part| part * part).sum::<f64>().sqrt();
+        let tangential = network.tangential_force.chunks_exact(3).map(size).collect();
         let ContactNetwork { increment, chunk, normal_force: normal, .. } = network;
-        let forces = Forces { increment, normal };
+        let forces = Forces { increment, normal, tangential };
+        self.add_load(&forces, chunk);
         let Some([first, last]) = &mut self.networks else {
             self.networks = Some([forces.clone(), forces]);
             return;
@@ -132,22 +143,21 @@ impl History {
             *last = forces;
         } else {
             if first == last {
-                first.normal.extend(&forces.normal);
+                first.extend(&forces);
             }
-            last.normal.extend(forces.normal);
+            last.extend(&forces);
         }
     }
 
-    fn add_load(&mut self, network: &ContactNetwork) {
-        let normal: f64 = network.normal_force.iter().sum();
-        let size = |force: &[f64]| force.iter().map(|part| part * part).sum::<f64>().sqrt();
-        let tangential: f64 = network.tangential_force.chunks_exact(3).map(size).sum();
+    fn add_load(&mut self, forces: &Forces, chunk: u32) {
+        let increment = forces.increment;
+        let (normal, tangential) = (forces.normal.iter().sum(), forces.tangential.iter().sum());
         match self.loads.last_mut() {
-            Some(last) if network.chunk > 0 && last.increment == network.increment => {
+            Some(last) if chunk > 0 && last.increment == increment => {
                 last.normal += normal;
                 last.tangential += tangential;
             }
-            _ => self.loads.push(Load { increment: network.increment, normal, tangential }),
+            _ => self.loads.push(Load { increment, normal, tangential }),
         }
     }
 
