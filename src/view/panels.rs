@@ -1,10 +1,14 @@
 //! The charts of a recording.
 
+mod contacts;
+mod energy;
 mod friction;
 mod measures;
 mod moduli;
 mod solver;
 mod strain;
+mod typical;
+mod volume;
 
 use super::chart::Chart;
 use super::history::History;
@@ -22,29 +26,30 @@ pub fn sheets(history: &History, title: &str) -> Vec<(&'static str, Sheet)> {
     let strain = Strain::of(history);
     let stress = measures::stress(history, &strain);
     let walls = measures::wall_forces(history);
+    let volume = volume::change(history, &strain);
     let moduli = moduli::moduli(history, &strain);
     let ratio = moduli::poisson(history, &strain);
     let coordination = measures::coordination(history, &strain);
-    let porosity = measures::porosity(history, &strain);
-    let forces = measures::force_distribution(history);
-    let energy = measures::energy(history, &strain);
     let friction = friction::mobilised(history, &strain);
+    let forces = contacts::normal(history);
     let effort = [solver::iterations(history), solver::residual(history)];
 
     // The most telling first; the later ones stand in where an earlier one has no value.
-    let telling = [&stress, &walls, &moduli, &friction, &forces, &coordination, &porosity];
+    let telling = [&stress, &walls, &moduli, &friction, &forces, &coordination, &volume];
     let overview: Vec<Chart> =
         telling.into_iter().filter(|chart| !chart.is_empty()).take(OVERVIEW).cloned().collect();
     let sheets = [
         ("overview", overview),
         ("stress_strain", vec![stress]),
+        ("stress_path", vec![measures::path(history)]),
+        ("volume_change", vec![volume, volume::porosity(history, &strain)]),
         ("wall_forces", vec![walls]),
         ("moduli", vec![moduli, ratio]),
-        ("coordination", vec![coordination, porosity]),
+        ("coordination", vec![coordination]),
         ("friction", vec![friction]),
-        ("energy", vec![energy]),
+        ("energy", vec![energy::energy(history, &strain)]),
         ("effort", effort.to_vec()),
-        ("forces", vec![forces]),
+        ("forces", vec![forces, contacts::tangential(history)]),
     ];
     let subtitle = subtitle(history);
     let sheet = |(name, mut charts): (_, Vec<Chart>)| {

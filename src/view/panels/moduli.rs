@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::strain::Strain;
+use super::typical::keep_typical;
 use crate::msg;
 use crate::view::chart::{Chart, Series};
 use crate::view::history::History;
@@ -20,7 +21,10 @@ const MODULI: [(&str, Value); 5] = [
 ];
 
 /// The confining stress is the better abscissa once it changes by this share.
-const TELLING: f64 = 0.2;
+const TELLING: f64 = 0.05;
+
+/// Why a few moduli lie far from all others.
+const WHY: &str = "Where the strain turns or the stress drops, an increment tells no stiffness.";
 
 /// What the moduli depend on most.
 struct Abscissa<'a> {
@@ -70,23 +74,27 @@ pub(super) fn moduli(history: &History, strain: &Strain) -> Chart {
     let line = |(number, (name, value)): (usize, &(&str, Value))| {
         abscissa.series(number, name, history, *value)
     };
-    Chart {
+    let mut chart = Chart {
         title: format!("Moduli against {}", abscissa.name()),
         x: abscissa.axis(),
         y: Axis::linear("secant modulus", Unit::Si("Pa")),
         series: MODULI.iter().enumerate().map(line).collect(),
         notes: vec!["Secant over each increment, shown at its end.".into()],
-    }
+    };
+    keep_typical(&mut chart, WHY);
+    chart
 }
 
 /// Poisson's ratio.
 pub(super) fn poisson(history: &History, strain: &Strain) -> Chart {
     let abscissa = Abscissa::of(history, strain);
-    Chart {
+    let mut chart = Chart {
         title: format!("Poisson's ratio against {}", abscissa.name()),
         x: abscissa.axis(),
         y: Axis::linear("Poisson's ratio", Unit::None),
-        series: vec![abscissa.series(3, "Poisson's ratio", history, |moduli| moduli.poisson)],
+        series: vec![abscissa.series(3, "", history, |moduli| moduli.poisson)],
         notes: Vec::new(),
-    }
+    };
+    keep_typical(&mut chart, WHY);
+    chart
 }
