@@ -16,6 +16,8 @@ mod panels;
 mod precision;
 #[cfg(feature = "png")]
 mod raster;
+#[cfg(feature = "mcap")]
+mod run;
 mod scale;
 mod sheet;
 mod svg;
@@ -25,12 +27,14 @@ mod unit;
 
 pub use chart::{Chart, Pattern, Series, Stroke};
 #[cfg(feature = "mcap")]
-pub use history::{Forces, History, Load};
+pub use history::History;
 #[cfg(feature = "mcap")]
 pub use panels::sheets;
 pub use precision::work_precision;
 #[cfg(feature = "png")]
 pub use raster::RasterError;
+#[cfg(feature = "mcap")]
+pub use run::{Forces, Load, Run};
 pub use scale::{Axis, Kind};
 pub use sheet::Sheet;
 pub use ticks::Ticks;

@@ -4,37 +4,19 @@
 
 #[path = "common/answers.rs"]
 mod answers;
+#[path = "common/plotted.rs"]
+mod plotted;
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 use std::sync::Arc;
 
-use graintwin::record::Recorder;
-use graintwin::scene::Record;
-use graintwin::sink::{Served, Sink};
-
-use answers::{answers, provenance};
+use answers::answers;
+use plotted::{plot, write};
 
 /// A recording of the initial equilibrium and 14 commands, every fifth of them refused.
 fn record(folder: &Path) {
     write(folder, &answers(14, 40));
-}
-
-fn write(folder: &Path, answers: &[Arc<Served>]) {
-    let mut recorder = Recorder::create(folder, &Record::default(), &provenance()).unwrap();
-    for answer in answers {
-        recorder.served(answer);
-    }
-    recorder.finish().unwrap();
-}
-
-/// Exit code, stdout and stderr of `graintwin plot`.
-fn plot(arguments: &[&Path]) -> (i32, String, String) {
-    let output =
-        Command::new(env!("CARGO_BIN_EXE_graintwin")).arg("plot").args(arguments).output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
 }
 
 #[test]
@@ -44,8 +26,9 @@ fn every_sheet_is_well_formed_and_named_after_the_scene() {
     record(&bag);
     let (code, stdout, stderr) = plot(&[&bag]);
     assert_eq!(code, 0, "{stderr}");
-    assert!(stdout.lines().count() >= 6, "{stdout}");
-    for file in stdout.lines() {
+    let files: Vec<&str> = stdout.lines().filter(|file| file.ends_with(".svg")).collect();
+    assert_eq!(files.len(), 11, "{stdout}");
+    for file in files {
         let text = fs::read_to_string(file).unwrap();
         let svg = roxmltree::Document::parse(&text).unwrap_or_else(|e| panic!("{file}: {e}"));
         assert_eq!(svg.root_element().tag_name().name(), "svg", "{file}");
@@ -110,4 +93,27 @@ fn exit_2_where_there_is_no_bag_and_3_for_a_damaged_one() {
     let (code, stdout, stderr) = plot(&[&cut, Path::new("--out"), &out]);
     assert_eq!(code, 3, "{stderr}");
     assert!(stdout.contains("overview.svg") && stderr.contains("cut.mcap"), "{stdout}{stderr}");
+}
+
+#[test]
+fn exit_2_when_the_bag_holds_no_measure_and_1_when_nothing_can_be_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let (bare, bag) = (folder.path().join("bare"), folder.path().join("bag"));
+    let refused: Vec<_> = answers(5, 40).split_off(5);
+    assert!(refused[0].report.measures.is_none());
+    write(&bare, &refused);
+    let (code, stdout, stderr) = plot(&[&bare]);
+    assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
+    assert!(stderr.contains("there is nothing to draw"), "{stderr}");
+
+    record(&bag);
+    let taken = folder.path().join("taken");
+    fs::write(&taken, "a file").unwrap();
+    for out in [taken.clone(), taken.join("below")] {
+        let (code, _, stderr) = plot(&[&bag, Path::new("--out"), &out]);
+        assert_eq!(code, 1, "{stderr}");
+        assert!(stderr.contains(out.to_str().unwrap()), "{stderr}");
+        assert!(stderr.contains("--out names another folder"), "{stderr}");
+    }
+    assert_eq!(fs::read(&taken).unwrap(), b"a file");
 }

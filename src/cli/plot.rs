@@ -90,6 +90,10 @@ fn tell_losses(history: &History) -> Outcome {
     for topic in &history.passed_over {
         tracing::warn!("passed over {topic}");
     }
+    if history.runs > 1 {
+        let (number, runs) = (history.number, history.runs);
+        tracing::info!("the bag holds {runs} runs, one after each reset; drawn is run {number}");
+    }
     if let Some(damage) = &history.damage {
         tracing::error!("{damage}");
     }
@@ -103,7 +107,7 @@ fn tell_losses(history: &History) -> Outcome {
 }
 
 fn nothing(bag: &Path, history: &History) -> anyhow::Error {
-    let what = if history.is_empty() { "holds no" } else { "holds no finite value in its" };
+    let what = if history.run.is_empty() { "holds no" } else { "holds no finite value in its" };
     anyhow!(
         "{} {what} graintwin_msgs/msg/PackState, WallForces, Moduli or ContactNetwork: there is \
          nothing to draw",

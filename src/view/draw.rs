@@ -166,5 +166,5 @@ fn line(svg: &mut Svg, frame: &Frame, chart: &Chart, series: &Series) {
 
 /// Radius of a marked point \[pixels\].
 fn dot_radius(series: &Series) -> f64 {
-    series.stroke.width + 0.6
+    0.5 * series.stroke.width + 1.5
 }

@@ -23,16 +23,17 @@ const OVERVIEW: usize = 4;
 /// that would hold no value are not among them.
 #[must_use]
 pub fn sheets(history: &History, title: &str) -> Vec<(&'static str, Sheet)> {
-    let strain = Strain::of(history);
-    let stress = measures::stress(history, &strain);
-    let walls = measures::wall_forces(history);
-    let volume = volume::change(history, &strain);
-    let moduli = moduli::moduli(history, &strain);
-    let ratio = moduli::poisson(history, &strain);
-    let coordination = measures::coordination(history, &strain);
-    let friction = friction::mobilised(history, &strain);
-    let forces = contacts::normal(history);
-    let effort = [solver::iterations(history), solver::residual(history)];
+    let run = &history.run;
+    let strain = Strain::of(run);
+    let stress = measures::stress(run, &strain);
+    let walls = measures::wall_forces(run);
+    let volume = volume::change(run, &strain);
+    let moduli = moduli::moduli(run, &strain);
+    let ratio = moduli::poisson(run, &strain);
+    let coordination = measures::coordination(run, &strain);
+    let friction = friction::mobilised(run, &strain);
+    let forces = contacts::normal(run);
+    let effort = [solver::iterations(run), solver::residual(run)];
 
     // The most telling first; the later ones stand in where an earlier one has no value.
     let telling = [&stress, &walls, &moduli, &friction, &forces, &coordination, &volume];
@@ -41,15 +42,15 @@ pub fn sheets(history: &History, title: &str) -> Vec<(&'static str, Sheet)> {
     let sheets = [
         ("overview", overview),
         ("stress_strain", vec![stress]),
-        ("stress_path", vec![measures::path(history)]),
-        ("volume_change", vec![volume, volume::porosity(history, &strain)]),
+        ("stress_path", vec![measures::path(run)]),
+        ("volume_change", vec![volume, volume::porosity(run, &strain)]),
         ("wall_forces", vec![walls]),
         ("moduli", vec![moduli, ratio]),
         ("coordination", vec![coordination]),
         ("friction", vec![friction]),
-        ("energy", vec![energy::energy(history, &strain)]),
+        ("energy", vec![energy::energy(run, &strain)]),
         ("effort", effort.to_vec()),
-        ("forces", vec![forces, contacts::tangential(history)]),
+        ("forces", vec![forces, contacts::tangential(run)]),
     ];
     let subtitle = subtitle(history);
     let sheet = |(name, mut charts): (_, Vec<Chart>)| {
@@ -61,12 +62,16 @@ pub fn sheets(history: &History, title: &str) -> Vec<(&'static str, Sheet)> {
 }
 
 fn subtitle(history: &History) -> String {
-    let mut text = match history.increments() {
+    let mut text = match history.run.increments() {
         Some((first, last)) if first < last => format!("Increments {first} to {last}."),
         Some((only, _)) => format!("Increment {only}."),
         None => String::new(),
     };
     text.push_str(" Compression is positive.");
+    if history.runs > 1 {
+        let (number, runs) = (history.number, history.runs);
+        text.push_str(&format!(" Run {number} of {runs}, the longest: each reset begins another."));
+    }
     if history.damage.is_some() {
         text.push_str(" The recording is damaged: this is what could be read.");
     }

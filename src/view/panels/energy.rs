@@ -4,31 +4,31 @@ use super::measures::series;
 use super::strain::Strain;
 use crate::msg::WallForces;
 use crate::view::chart::{Chart, Series};
-use crate::view::history::History;
+use crate::view::run::Run;
 use crate::view::scale::Axis;
 use crate::view::unit::Unit;
 use crate::wall;
 
 /// Energies since the start.
-pub(super) fn energy(history: &History, strain: &Strain) -> Chart {
-    let start = history.states.first().map_or(f64::NAN, |state| state.stored_energy);
+pub(super) fn energy(run: &Run, strain: &Strain) -> Chart {
+    let start = run.states.first().map_or(f64::NAN, |state| state.stored_energy);
     // On a path that turns, the lines of every cycle would lie over each other.
     let strain = &strain.or_increment_where_it_turns();
-    let work = work(&history.walls).into_iter();
+    let work = work(&run.walls).into_iter();
     let work = work.map(|(increment, work)| [strain.at(increment), work]);
     let mut notes =
         vec!["Work: normal forces of the walls over their travel, by trapezoids.".into()];
     if start.is_finite() {
-        notes.push(format!("Stored at the start: {start:.4e} J."));
+        notes.push(format!("Stored at the start: {}.", Unit::Si("J").written(start)));
     }
     Chart {
         title: format!("Energy since the start, against {}", strain.name()),
         x: strain.axis(),
         y: Axis::linear("energy", Unit::Si("J")),
         series: vec![
-            series(0, "stored", history, strain, |state| state.stored_energy - start),
+            series(0, "stored", run, strain, |state| state.stored_energy - start),
             Series::new(1, "work of the walls", work),
-            series(2, "dissipated", history, strain, |state| state.dissipated_energy),
+            series(2, "dissipated", run, strain, |state| state.dissipated_energy),
         ],
         notes,
     }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::view::history::History;
+use crate::view::run::Run;
 use crate::view::scale::Axis;
 use crate::view::unit::Unit;
 
@@ -10,7 +10,7 @@ use crate::view::unit::Unit;
 const AXIAL: usize = 2;
 
 /// Strains that differ less are none.
-const LEAST: f64 = 1e-12;
+pub(super) const LEAST: f64 = 1e-12;
 
 /// The axial strain of each increment.
 #[derive(Clone)]
@@ -23,8 +23,8 @@ pub(super) struct Strain {
 const TURNING: f64 = 0.05;
 
 impl Strain {
-    pub(super) fn of(history: &History) -> Self {
-        let known = history.states.iter().map(|state| (state.increment, state.strain[AXIAL]));
+    pub(super) fn of(run: &Run) -> Self {
+        let known = run.states.iter().map(|state| (state.increment, state.strain[AXIAL]));
         let by_increment: BTreeMap<u64, f64> = known.collect();
         let finite = || by_increment.values().copied().filter(|strain| strain.is_finite());
         let low = finite().fold(f64::INFINITY, f64::min);

@@ -1,7 +1,6 @@
 //! Leaves out what would flatten all the rest of a chart.
 
 use crate::view::chart::{Chart, Series};
-use crate::view::unit::Unit;
 
 /// Share of the values at either end that do not count as typical.
 const TAIL: f64 = 0.1;
@@ -22,7 +21,7 @@ pub(super) fn keep_typical(chart: &mut Chart, why: &str) {
         }
     }
     let (least, most) = extremes(&out);
-    let text = |value: f64| written(value, chart.y.unit);
+    let text = |value: f64| chart.y.unit.written(value);
     let values = match out.len() {
         0 => return,
         1 => format!("1 value ({})", text(least)),
@@ -48,16 +47,11 @@ fn extremes(values: &[f64]) -> (f64, f64) {
     (least, values.iter().copied().fold(f64::NEG_INFINITY, f64::max))
 }
 
-fn written(value: f64, unit: Unit) -> String {
-    let (factor, unit) = unit.for_magnitude(value.abs());
-    let text = format!("{:.2} {unit}", value / factor).replace('-', "\u{2212}");
-    text.trim_end().into()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::view::scale::Axis;
+    use crate::view::unit::Unit;
 
     fn chart(values: impl IntoIterator<Item = f64>) -> Chart {
         let points = values.into_iter().enumerate().map(|(number, value)| [number as f64, value]);
@@ -87,7 +81,7 @@ mod tests {
         assert_eq!(
             chart.notes,
             [
-                "Left out, far beyond the others: 2 values (−7.00 GPa to 1.50 TPa). The strain turns."
+                "Left out, far beyond the others: 2 values (−7.000 GPa to 1.500 TPa). The strain turns."
             ]
         );
     }

@@ -1,19 +1,19 @@
 //! How the volume changed.
 
 use super::measures::series;
-use super::strain::Strain;
+use super::strain::{LEAST, Strain};
 use crate::view::chart::Chart;
-use crate::view::history::History;
+use crate::view::run::Run;
 use crate::view::scale::Axis;
 use crate::view::unit::Unit;
 
 /// Volumetric strain, compression positive.
-pub(super) fn change(history: &History, strain: &Strain) -> Chart {
+pub(super) fn change(run: &Run, strain: &Strain) -> Chart {
     Chart {
         title: format!("Volume change against {}", strain.name()),
         x: strain.axis(),
         y: Axis::linear("volumetric strain", Unit::Strain),
-        series: vec![series(0, "", history, strain, |state| volumetric(state.strain))],
+        series: vec![series(0, "", run, strain, |state| volumetric(state.strain))],
         notes: vec![
             "Engineering strain, loss of volume over the volume at the start or at the scene's \
              reference; a pack that dilates goes down."
@@ -26,16 +26,17 @@ pub(super) fn change(history: &History, strain: &Strain) -> Chart {
 fn volumetric(strain: [f64; 3]) -> f64 {
     // Expanded: 1 - (1 - x)(1 - y)(1 - z) would lose the digits of small strains.
     let [x, y, z] = strain;
-    x + y + z - x * y - y * z - z * x + x * y * z
+    let strain = x + y + z - x * y - y * z - z * x + x * y * z;
+    if strain.abs() < LEAST { 0.0 } else { strain }
 }
 
 /// Pore volume over total volume.
-pub(super) fn porosity(history: &History, strain: &Strain) -> Chart {
+pub(super) fn porosity(run: &Run, strain: &Strain) -> Chart {
     Chart {
         title: format!("Porosity against {}", strain.name()),
         x: strain.axis(),
         y: Axis::linear("porosity", Unit::None),
-        series: vec![series(2, "porosity", history, strain, |state| state.porosity)],
+        series: vec![series(2, "porosity", run, strain, |state| state.porosity)],
         notes: Vec::new(),
     }
 }
@@ -52,7 +53,8 @@ mod tests {
     }
 
     #[test]
-    fn tiny_strains_keep_their_digits() {
-        assert!((volumetric([1e-15, 2e-15, 3e-15]) - 6e-15).abs() < 1e-28);
+    fn small_strains_keep_their_digits_and_rounding_is_no_strain() {
+        assert!((volumetric([1e-10, 2e-10, 3e-10]) / 6e-10 - 1.0).abs() < 1e-9);
+        assert_eq!(volumetric([1e-3, 0.0, -1e-3 / (1.0 - 1e-3)]), 0.0);
     }
 }
