@@ -7,6 +7,8 @@ mod answers;
 #[path = "common/plotted.rs"]
 mod plotted;
 
+#[cfg(feature = "png")]
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 use std::sync::Arc;
@@ -116,4 +118,40 @@ fn exit_2_when_the_bag_holds_no_measure_and_1_when_nothing_can_be_written() {
         assert!(stderr.contains("--out names another folder"), "{stderr}");
     }
     assert_eq!(fs::read(&taken).unwrap(), b"a file");
+}
+
+#[cfg(feature = "png")]
+#[test]
+fn each_chart_is_there_as_svg_and_png_unless_one_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let bag = folder.path().join("bag");
+    record(&bag);
+    let of = |out: &Path, format: &[&str]| {
+        let mut arguments = vec![bag.to_str().unwrap(), "--out", out.to_str().unwrap()];
+        arguments.extend(format);
+        let (code, stdout, stderr) = plot(&arguments);
+        assert_eq!(code, 0, "{stderr}");
+        let printed: BTreeSet<String> = stdout.lines().map(str::to_owned).collect();
+        let found = fs::read_dir(out).unwrap().map(|file| file.unwrap().path());
+        let found: BTreeSet<String> = found.map(|file| file.to_str().unwrap().into()).collect();
+        assert_eq!(printed, found);
+        found
+    };
+    let [both, svg, png, again] =
+        ["both", "svg", "png", "again"].map(|name| folder.path().join(name));
+    let files = of(&both, &[]);
+    let count = |ending: &str| files.iter().filter(|file| file.ends_with(ending)).count();
+    assert_eq!((count(".svg"), count(".png"), files.len()), (11, 11, 22));
+    assert!(of(&svg, &["--format", "svg"]).iter().all(|file| file.ends_with(".svg")));
+    let alone = of(&png, &["--format", "png"]);
+    assert_eq!(alone.len(), 11);
+    of(&again, &[]);
+    for file in files {
+        let name = Path::new(&file).file_name().unwrap();
+        let bytes = fs::read(&file).unwrap();
+        assert_eq!(bytes, fs::read(again.join(name)).unwrap(), "{file} differs when drawn again");
+        if file.ends_with(".png") {
+            assert_eq!(bytes, fs::read(png.join(name)).unwrap());
+        }
+    }
 }
