@@ -76,7 +76,7 @@ fn energies_of_a_path_that_turns_are_drawn_over_the_increments() {
     });
     let chart = read(&drawn(&answers, "energy"), 0);
     let line = |slope: f64| (0..5).map(|at| f64::from(at)).map(|at| [at, slope * at]).collect();
-    let lines: [Vec<[f64; 2]>; 3] = [1.0, 1.5, 0.5].map(line);
+    let lines: [Vec<[f64; 2]>; 3] = [1.5, 1.0, 0.5].map(line);
     chart.lines.iter().zip(&lines).for_each(|(got, want)| near(got, want));
     assert!(chart.texts.iter().any(|text| text.contains("Stored at the start: 3.000 µJ")));
 }

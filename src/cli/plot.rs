@@ -29,8 +29,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
-    /// What to write: SVG, which stays sharp at any size, PNG, twice as fine as a screen and the
-    /// same on every machine, or both.
+    /// What to write: SVG, which stays sharp at any size, PNG, which is twice as fine as a screen
+    /// and brings its letters along, or both.
     #[cfg(feature = "png")]
     #[arg(long, value_enum, default_value_t = Format::Both)]
     format: Format,

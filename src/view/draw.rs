@@ -12,6 +12,9 @@ const ROW: f64 = 18.0;
 /// Length of a line in the legend \[pixels\].
 const SAMPLE: f64 = 20.0;
 
+/// Width of a line in the legend, at most: its round end must not reach the name \[pixels\].
+const WIDEST_SAMPLE: f64 = 6.5;
+
 /// Points of a line that are marked one by one, at most.
 const MOST_DOTS: usize = 60;
 
@@ -76,7 +79,7 @@ fn legend(svg: &mut Svg, chart: &Chart, [left, top]: [f64; 2], room: f64) -> f64
     let mut end = top;
     for (series, (row, offset)) in shown.iter().zip(rows(&widths, 14.0, room)) {
         let at = [left + offset, top + ROW * row as f64];
-        svg.begin_sample(series.stroke.color, series.stroke.width);
+        svg.begin_sample(series.stroke.color, series.stroke.width.min(WIDEST_SAMPLE));
         let middle = at[1] - 4.0;
         match series.stroke.pattern {
             Pattern::Solid => svg.polyline(&[[at[0], middle], [at[0] + SAMPLE, middle]]),

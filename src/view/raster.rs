@@ -41,7 +41,7 @@ pub enum RasterError {
 }
 
 impl Sheet {
-    /// The image as PNG, twice as fine as the SVG; the same bytes on every machine.
+    /// The image as PNG, twice as fine as the SVG and with letters that do not depend on the machine.
     ///
     /// # Errors
     /// When it has more pixels than an image may have.

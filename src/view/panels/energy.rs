@@ -3,11 +3,14 @@
 use super::measures::series;
 use super::strain::Strain;
 use crate::msg::WallForces;
-use crate::view::chart::{Chart, Series};
+use crate::view::chart::{Chart, Series, Stroke};
 use crate::view::run::Run;
 use crate::view::scale::Axis;
 use crate::view::unit::Unit;
 use crate::wall;
+
+/// Without friction all work is stored: the line of that shows within.
+const WORK: Stroke = Stroke::solid("#f2b98c", 5.0);
 
 /// Energies since the start.
 pub(super) fn energy(run: &Run, strain: &Strain) -> Chart {
@@ -26,8 +29,8 @@ pub(super) fn energy(run: &Run, strain: &Strain) -> Chart {
         x: strain.axis(),
         y: Axis::linear("energy", Unit::Si("J")),
         series: vec![
+            Series { stroke: WORK, ..Series::new(1, "work of the walls", work) },
             series(0, "stored", run, strain, |state| state.stored_energy - start),
-            Series::new(1, "work of the walls", work),
             series(2, "dissipated", run, strain, |state| state.dissipated_energy),
         ],
         notes,

@@ -57,9 +57,9 @@ pub(super) fn path(run: &Run) -> Chart {
 const WALLS: [Stroke; wall::COUNT] = [
     Stroke::solid("#9cc9e8", 9.0),
     Stroke::solid("#0072b2", 1.4),
-    Stroke::solid("#f7d08a", 6.0),
+    Stroke::solid("#f7d08a", 6.5),
     Stroke::solid("#c77f00", 1.4),
-    Stroke::solid("#94d8c4", 3.5),
+    Stroke::solid("#94d8c4", 4.5),
     Stroke::solid("#00795a", 1.4),
 ];
 
