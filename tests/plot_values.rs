@@ -75,7 +75,7 @@ fn energies_of_a_path_that_turns_are_drawn_over_the_increments() {
         measures.walls.displacement = [0.0, 0.0, 0.0, 0.0, 7.5e-7 * increment, 0.0];
     });
     let chart = read(&drawn(&answers, "energy"), 0);
-    let line = |slope: f64| (0..5).map(|at| f64::from(at)).map(|at| [at, slope * at]).collect();
+    let line = |slope: f64| (0..5).map(f64::from).map(|at| [at, slope * at]).collect();
     let lines: [Vec<[f64; 2]>; 3] = [1.5, 1.0, 0.5].map(line);
     chart.lines.iter().zip(&lines).for_each(|(got, want)| near(got, want));
     assert!(chart.texts.iter().any(|text| text.contains("Stored at the start: 3.000 µJ")));
