@@ -12,6 +12,9 @@ use crate::wall;
 /// Without friction all work is stored: the line of that shows within.
 const WORK: Stroke = Stroke::solid("#f2b98c", 5.0);
 
+/// Changes by a smaller share come from sums in another order.
+const ROUNDING: f64 = 1e-12;
+
 /// Energies since the start.
 pub(super) fn energy(run: &Run, strain: &Strain) -> Chart {
     let start = run.states.first().map_or(f64::NAN, |state| state.stored_energy);
@@ -30,11 +33,16 @@ pub(super) fn energy(run: &Run, strain: &Strain) -> Chart {
         y: Axis::linear("energy", Unit::Si("J")),
         series: vec![
             Series { stroke: WORK, ..Series::new(1, "work of the walls", work) },
-            series(0, "stored", run, strain, |state| state.stored_energy - start),
-            series(2, "dissipated", run, strain, |state| state.dissipated_energy),
+            series(0, "stored", run, strain, |state| told(state.stored_energy - start, start)),
+            series(2, "dissipated", run, strain, |state| told(state.dissipated_energy, start)),
         ],
         notes,
     }
+}
+
+/// A change of the energy, which is 0 when it is a rounding of `start`.
+fn told(change: f64, start: f64) -> f64 {
+    if change.abs() < ROUNDING * start.abs() { 0.0 } else { change }
 }
 
 /// Work of the walls up to each increment \[J\].
@@ -53,6 +61,14 @@ fn work(walls: &[WallForces]) -> Vec<(u64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_rounding_of_the_stored_energy_is_no_change() {
+        let start = 2.0e-4_f64;
+        assert_eq!(told(start.next_up() - start, start), 0.0);
+        assert_eq!(told(-1e-12, start), -1e-12);
+        assert!(told(f64::NAN, start).is_nan());
+    }
 
     #[test]
     fn the_work_of_a_spring_is_the_area_under_its_force() {
