@@ -55,6 +55,7 @@ fn record(
         pack_json: Vec::new(),
         pack_history: None,
         threads: 1,
+        seed: 1,
     };
     let mut recorder = Recorder::create(&parent.path().join("bag"), settings, &provenance)?;
     let mut times = Vec::new();

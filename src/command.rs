@@ -1,5 +1,6 @@
 //! What a rig asks of the twin, and what became of it.
 
+pub mod circumstance;
 pub mod gate;
 pub mod map;
 pub mod merge;

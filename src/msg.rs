@@ -7,11 +7,15 @@
 //! DDS to their choice of it.
 
 #[cfg(feature = "mcap")]
+pub mod answer;
+#[cfg(feature = "mcap")]
 pub mod cdr;
+mod circumstance;
 pub mod convert;
 pub mod diagnostics;
+#[cfg(feature = "mcap")]
+pub mod fields;
 pub mod graintwin;
-#[cfg(feature = "ros")]
 pub mod rcl;
 pub mod schema;
 pub mod services;
@@ -21,8 +25,8 @@ pub mod transforms;
 
 pub use diagnostics::{DiagnosticArray, DiagnosticStatus, KeyValue};
 pub use graintwin::{
-    BoundaryCommand, ContactNetwork, Discrepancy, Event, Moduli, PackState, Report, WallForces,
-    WallTargets,
+    BoundaryCommand, Circumstance, ContactNetwork, Discrepancy, Event, Moduli, PackState, Report,
+    WallForces, WallTargets,
 };
 pub use schema::{Described, MessageType};
 pub use standard::{

@@ -14,7 +14,7 @@ mod save;
 use crate::wall::Bounds;
 
 pub use beside::box_file;
-pub use build::{build, unprepared};
+pub use build::{build, from_texts, unprepared};
 pub use csv::{Columns, Constants, PackFile, PackRow, read};
 pub use error::PackError;
 pub use history::{ContactMemory, History, Layer, history_file, wall_index, wall_of};

@@ -81,6 +81,29 @@ impl Memory {
         self.layers.clear();
     }
 
+    fn put(&self, take: &mut dyn FnMut(&[u8])) {
+        take(&(self.contacts.len() as u64).to_le_bytes());
+        for contact in &self.contacts {
+            let Remembered { first, second, shear, torsion, slides, layers } = contact;
+            let (kind, number) = match second {
+                Other::Grain(grain) => (0, *grain),
+                Other::Wall(wall) => (1, u32::from(*wall)),
+            };
+            take(&first.to_le_bytes());
+            take(&[kind]);
+            take(&number.to_le_bytes());
+            numbers(shear.as_slice(), take);
+            numbers(&[*torsion], take);
+            take(&[u8::from(*slides)]);
+            take(&layers.to_le_bytes());
+        }
+        take(&(self.layers.len() as u64).to_le_bytes());
+        for layer in &self.layers {
+            numbers(&[layer.reach], take);
+            numbers(&layer.ratio, take);
+        }
+    }
+
     /// Memory that its lists hold \[bytes\].
     pub(crate) fn heap_bytes(&self) -> usize {
         heap::bytes(&self.contacts) + heap::bytes(&self.layers)
@@ -194,6 +217,22 @@ impl State {
             + self.memory.heap_bytes()
     }
 
+    /// Hands every number of the state to `take` as little-endian bytes, lists with their length
+    /// in front: two states give the same bytes when they are the same to the bit.
+    pub fn put(&self, take: &mut dyn FnMut(&[u8])) {
+        let Self { position, rotation, memory, carries, .. } = self;
+        let Self { displacement, friction, wall_work, initial_energy, .. } = self;
+        for list in [position, rotation] {
+            take(&(list.len() as u64).to_le_bytes());
+            list.iter().for_each(|vector| numbers(vector.as_slice(), take));
+        }
+        memory.put(take);
+        carries.iter().for_each(|&carries| take(&[u8::from(carries)]));
+        numbers(displacement, take);
+        let Ledger { stored, slip, renewal } = friction;
+        numbers(&[*stored, *slip, *renewal, *wall_work, *initial_energy], take);
+    }
+
     /// The box now.
     #[must_use]
     pub fn bounds(&self, model: &Model) -> Bounds {
@@ -211,6 +250,10 @@ impl State {
         self.wall_work = other.wall_work;
         self.initial_energy = other.initial_energy;
     }
+}
+
+fn numbers(numbers: &[f64], take: &mut dyn FnMut(&[u8])) {
+    numbers.iter().for_each(|number| take(&number.to_le_bytes()));
 }
 
 /// Where each entry of a permutation stands.

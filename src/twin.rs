@@ -5,6 +5,7 @@ mod merged;
 mod requests;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use sha2::{Digest, Sha256};
 
 use crate::command::gate::{Decision, Gate, Order, join};
 use crate::command::{Command, Disposition, Stamp};
@@ -389,6 +390,21 @@ impl Twin {
             gradients: self.spent.gradients + gradients,
             products: self.spent.products + products,
         }
+    }
+
+    /// The present increment.
+    #[must_use]
+    pub fn increment(&self) -> u64 {
+        self.increment
+    }
+
+    /// A digest of the state: two twins with the same one go on with the same bits. It is the
+    /// SHA-256, in hexadecimal digits, of [`State::put`].
+    #[must_use]
+    pub fn digest(&self) -> String {
+        let mut digest = Sha256::new();
+        self.state.put(&mut |bytes| digest.update(bytes));
+        digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
     }
 
     /// Memory that state and scratch hold \[bytes\].

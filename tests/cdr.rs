@@ -11,10 +11,10 @@ use std::path::Path;
 
 use graintwin::msg::cdr::{self, CdrError};
 use graintwin::msg::{
-    BoundaryCommand, Clock, ContactNetwork, Described, DiagnosticArray, DiagnosticStatus,
-    Discrepancy, Duration, Event, Header, JointState, JointTrajectory, JointTrajectoryPoint,
-    KeyValue, Moduli, PackState, Quaternion, Report, TFMessage, Time, Transform, TransformStamped,
-    Vector3, WallForces, WallTargets, Wrench, WrenchStamped,
+    BoundaryCommand, Circumstance, Clock, ContactNetwork, Described, DiagnosticArray,
+    DiagnosticStatus, Discrepancy, Duration, Event, Header, JointState, JointTrajectory,
+    JointTrajectoryPoint, KeyValue, Moduli, PackState, Quaternion, Report, TFMessage, Time,
+    Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench, WrenchStamped,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -164,6 +164,18 @@ fn discrepancy() -> Discrepancy {
     }
 }
 
+fn circumstance() -> Circumstance {
+    Circumstance {
+        header: header(""),
+        increment: 7,
+        kind: 5,
+        success: true,
+        text: "ü".into(),
+        name: vec!["solver.tolerance".into(), "a".into()],
+        value: vec![1e-9, f64::INFINITY],
+    }
+}
+
 fn diagnostics(count: usize) -> DiagnosticArray {
     let value = KeyValue { key: "iterations".into(), value: "5".into() };
     let status = DiagnosticStatus {
@@ -269,6 +281,8 @@ fn bytes_hashes_and_definitions_are_those_of_an_independent_implementation() {
     exchange.add(time);
     exchange.add(Clock { clock: time });
     exchange.add(discrepancy());
+    exchange.add(circumstance());
+    exchange.add(circumstance());
     for count in 0..3 {
         exchange.add(diagnostics(count));
         exchange.add(frames(count));

@@ -10,12 +10,13 @@ use std::path::Path;
 use graintwin::command::{Ask, Command, Disposition, Mode, Stamp};
 use graintwin::measure::discrepancy;
 use graintwin::msg::convert::{self, CommandMessage, LIVE_CHUNK};
+use graintwin::msg::rcl::{Log, Parameter, ParameterEvent, ParameterValue};
 use graintwin::msg::services::{SavePack, Service, SetBool, Trigger};
 use graintwin::msg::{
-    BoundaryCommand, Clock, ContactNetwork, Described, DiagnosticArray, DiagnosticStatus,
-    Discrepancy, Duration, Event, Header, JointState, JointTrajectory, JointTrajectoryPoint,
-    KeyValue, Moduli, PackState, Quaternion, Report, TFMessage, Time, Transform, TransformStamped,
-    Vector3, WallForces, WallTargets, Wrench, WrenchStamped, topics,
+    BoundaryCommand, Circumstance, Clock, ContactNetwork, Described, DiagnosticArray,
+    DiagnosticStatus, Discrepancy, Duration, Event, Header, JointState, JointTrajectory,
+    JointTrajectoryPoint, KeyValue, Moduli, PackState, Quaternion, Report, TFMessage, Time,
+    Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench, WrenchStamped, topics,
 };
 use graintwin::report::{self, ContactState, Measures};
 use graintwin::wall::{self, WallTarget};
@@ -63,6 +64,7 @@ fn assert_same_fields<T: Described + DeserializeOwned>() {
         .filter_map(|line| match line {
             // A byte is what Rust calls a u8.
             Line::Field("byte", name) => Some(format!("uint8 {name}")),
+            Line::Field("byte[]", name) => Some(format!("uint8[] {name}")),
             Line::Field(kind, name) => Some(format!("{} {name}", kind.rsplit('/').next()?)),
             Line::Constant(..) => None,
         })
@@ -90,6 +92,7 @@ fn every_struct_has_the_fields_of_its_text() {
     assert_same_fields::<JointTrajectoryPoint>();
     assert_same_fields::<JointTrajectory>();
     assert_same_fields::<Discrepancy>();
+    assert_same_fields::<Circumstance>();
     assert_same_fields::<Clock>();
     assert_same_fields::<KeyValue>();
     assert_same_fields::<DiagnosticStatus>();
@@ -98,6 +101,10 @@ fn every_struct_has_the_fields_of_its_text() {
     assert_same_fields::<Transform>();
     assert_same_fields::<TransformStamped>();
     assert_same_fields::<TFMessage>();
+    assert_same_fields::<ParameterValue>();
+    assert_same_fields::<Parameter>();
+    assert_same_fields::<ParameterEvent>();
+    assert_same_fields::<Log>();
 }
 
 /// The fields of `T` as a `.srv` text writes them.
@@ -149,6 +156,7 @@ fn every_message_text_is_built_by_the_package_and_has_a_struct() {
         Report::TYPE,
         Event::TYPE,
         Discrepancy::TYPE,
+        Circumstance::TYPE,
     ];
     for file in fs::read_dir(package.join("msg")).unwrap() {
         let path = file.unwrap().path();

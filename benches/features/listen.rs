@@ -29,6 +29,7 @@ impl Listener {
                     pack_json: Vec::new(),
                     pack_history: None,
                     threads: 1,
+                    seed: 1,
                 };
                 let bag = folder.path().join("bag");
                 let recorder = Recorder::create(&bag, &scene.record, &provenance);

@@ -9,6 +9,9 @@ use std::path::PathBuf;
 
 use anyhow::anyhow;
 
+#[cfg(feature = "mcap")]
+use graintwin::record::reader::is_bag;
+
 use super::{Cli, Failure, Outcome, output};
 
 /// Says whether a scene, a pack or a bag is right, and what is in it.
@@ -33,7 +36,7 @@ pub(super) fn run(args: &Args, cli: &Cli) -> Result<Outcome, Failure> {
         },
         "csv" => pack::describe(file)?,
         #[cfg(feature = "mcap")]
-        _ if extension == "mcap" || file.is_dir() => {
+        _ if is_bag(file) => {
             let (text, outcome) = bag::describe(file)?;
             output::print(&text)?;
             return Ok(outcome);

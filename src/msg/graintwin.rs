@@ -205,6 +205,25 @@ pub struct Discrepancy {
     pub delay: [f64; wall::COUNT],
 }
 
+/// What besides commands bears on the twin's answers, in its order among the commands.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Circumstance {
+    /// When it happened, by the clock of the machine; no frame.
+    pub header: Header,
+    /// The increment at which it happened.
+    pub increment: u64,
+    /// What happened, as the message numbers it.
+    pub kind: u8,
+    /// Whether what was asked was done.
+    pub success: bool,
+    /// What was answered, or what is wrong with the message.
+    pub text: String,
+    /// Keys of the scene, or `age`.
+    pub name: Vec<String>,
+    /// Their values.
+    pub value: Vec<f64>,
+}
+
 /// Ties a struct to the text of its message under `msgs/`.
 macro_rules! message {
     ($message:ident, $uses:expr, $hash:literal) => {
@@ -262,4 +281,9 @@ message!(
     Discrepancy,
     &[Header::TYPE],
     "92acd9e409d13a1d8a9a8bb9d44d8602dbe937eea4b8329c754038b7d1f385fe"
+);
+message!(
+    Circumstance,
+    &[Header::TYPE],
+    "89843d5ebd2635c46484a0db92aca5eaf05c61c852c97edec138329307887986"
 );

@@ -33,6 +33,27 @@ pub(super) fn to_json(bounds: &Bounds, history: Option<&str>) -> String {
     json.expect("six numbers and a text under fixed names are JSON") + "\n"
 }
 
+/// The box in the JSON `text`; `file` is what errors name.
+pub(super) fn bounds_in(text: &str, file: &Path) -> Result<Bounds, PackError> {
+    let wrong = |text: String| PackError::Box { file: file.into(), text };
+    let json: Value = serde_json::from_str(text).map_err(|error| wrong(error.to_string()))?;
+    let Some(found) = json.get("box") else {
+        let keys: Vec<_> = json.as_object().into_iter().flatten().map(|(key, _)| key).collect();
+        let shown = &keys[..keys.len().min(MAX_KEYS)];
+        let dots = if keys.len() > MAX_KEYS { " and more" } else { "" };
+        return Err(wrong(format!("it has no key `box`, only {shown:?}{dots}")));
+    };
+    let bounds: Bounds =
+        serde_json::from_value(found.clone()).map_err(|error| wrong(format!("box: {error}")))?;
+    match (0..3).find(|&axis| bounds.min[axis] >= bounds.max[axis]) {
+        None => Ok(bounds),
+        Some(axis) => Err(wrong(format!(
+            "box: max[{axis}] = {:?} is not above min[{axis}] = {:?}",
+            bounds.max[axis], bounds.min[axis]
+        ))),
+    }
+}
+
 impl PackFile {
     /// The box in the JSON beside the CSV.
     ///
@@ -42,23 +63,7 @@ impl PackFile {
         let file = box_file(&self.file);
         let text = fs::read_to_string(&file)
             .map_err(|source| PackError::ReadBox { file: file.clone(), source })?;
-        let wrong = |text: String| PackError::Box { file: file.clone(), text };
-        let json: Value = serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
-        let Some(found) = json.get("box") else {
-            let keys: Vec<_> = json.as_object().into_iter().flatten().map(|(key, _)| key).collect();
-            let shown = &keys[..keys.len().min(MAX_KEYS)];
-            let dots = if keys.len() > MAX_KEYS { " and more" } else { "" };
-            return Err(wrong(format!("it has no key `box`, only {shown:?}{dots}")));
-        };
-        let bounds: Bounds = serde_json::from_value(found.clone())
-            .map_err(|error| wrong(format!("box: {error}")))?;
-        match (0..3).find(|&axis| bounds.min[axis] >= bounds.max[axis]) {
-            None => Ok(bounds),
-            Some(axis) => Err(wrong(format!(
-                "box: max[{axis}] = {:?} is not above min[{axis}] = {:?}",
-                bounds.max[axis], bounds.min[axis]
-            ))),
-        }
+        bounds_in(&text, &file)
     }
 
     /// The history in the file that the JSON beside the CSV names; `None` when there is no such

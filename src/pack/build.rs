@@ -7,9 +7,13 @@ use rand_pcg::Pcg64;
 
 use super::generate::generate;
 use super::prepare::prepare;
-use super::{Constants, Grain, Pack, PackError, PackFile, PackRow, properties, read};
+use super::{
+    Constants, Grain, History, Pack, PackError, PackFile, PackRow, Texts, beside, csv, history,
+    properties, read,
+};
 use crate::scene::{Friction, Generate, Loaded, Material, Scene};
 use crate::table::TableError;
+use crate::wall::Bounds;
 
 /// The pack of a scene: made or read, cut, and prepared.
 ///
@@ -57,10 +61,6 @@ fn from_file(loaded: &Loaded, file: &Path) -> Result<Pack, PackError> {
         Some(bounds) => bounds,
         None => file.read_box()?,
     };
-    file.check_inside(&bounds)?;
-    let mut rng = Pcg64::seed_from_u64(scene.pack.seed);
-    let grain = |row: &PackRow| grain(&file, row, scene, &mut rng);
-    let grains = file.rows.iter().map(grain).collect::<Result<_, _>>()?;
     let history = file.read_history()?;
     if history.is_some() && scene.contact.friction == Friction::None {
         tracing::warn!(
@@ -68,6 +68,33 @@ fn from_file(loaded: &Loaded, file: &Path) -> Result<Pack, PackError> {
             file.file.display()
         );
     }
+    boxed(scene, &file, bounds, history)
+}
+
+/// The pack in `texts`, which [`texts`](super::texts) made of one under `scene`; `name` is what
+/// errors name for the CSV. It is the same pack to the bit.
+///
+/// # Errors
+/// When a text is wrong.
+pub fn from_texts(scene: &Scene, texts: &Texts, name: &Path) -> Result<Pack, PackError> {
+    let file = csv::parse(texts.csv.as_bytes(), name)?;
+    let bounds = beside::bounds_in(&texts.json, &super::box_file(name))?;
+    let beside = super::history_file(name);
+    let history = texts.history.as_ref();
+    let history = history.map(|json| history::parse(json.as_bytes(), &beside, file.rows.len()));
+    boxed(scene, &file, bounds, history.transpose()?)
+}
+
+fn boxed(
+    scene: &Scene,
+    file: &PackFile,
+    bounds: Bounds,
+    history: Option<History>,
+) -> Result<Pack, PackError> {
+    file.check_inside(&bounds)?;
+    let mut rng = Pcg64::seed_from_u64(scene.pack.seed);
+    let grain = |row: &PackRow| grain(file, row, scene, &mut rng);
+    let grains = file.rows.iter().map(grain).collect::<Result<_, _>>()?;
     Ok(Pack { bounds, grains, history })
 }
 

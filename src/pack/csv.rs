@@ -75,8 +75,16 @@ pub enum Constants {
 /// number of fields, a number that is none, not finite or out of range, no grain at all, or two
 /// grains with the same centre.
 pub fn read(file: &Path) -> Result<PackFile, PackError> {
-    let table = Table::read(file, Some('#'))?;
-    let columns = columns(&table)?;
+    rows(&Table::read(file, Some('#'))?, file)
+}
+
+/// As [`read`] for a CSV in memory; `file` is what errors name.
+pub(super) fn parse(bytes: &[u8], file: &Path) -> Result<PackFile, PackError> {
+    rows(&Table::parse(bytes.to_vec(), file, Some('#'))?, file)
+}
+
+fn rows(table: &Table, file: &Path) -> Result<PackFile, PackError> {
+    let columns = columns(table)?;
     let index = |names: [&str; 4]| -> Result<[usize; 4], TableError> {
         let mut found = [0; 4];
         for (place, name) in found.iter_mut().zip(names) {

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::wall;
 
 pub use file::history_file;
-pub(super) use file::{read, to_json};
+pub(super) use file::{parse, read, to_json};
 
 /// Rotations and contact history of a pack, in the order of the pack file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -5,6 +5,8 @@
 //! standard library computes the same, slowly.
 #![allow(unsafe_code)] // Instructions that not every processor has; the reasons are at each use.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 /// Rows summed in single precision before they are added up in double.
 pub(super) const LANE_ROWS: usize = 64;
 
@@ -85,22 +87,49 @@ pub(super) trait Kernel {
 #[inline]
 pub(super) fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
-    if let Some(fused) = x86::Fused::detect() {
+    if let Some(fused) = x86::Fused::chosen() {
         // SAFETY: the value exists only where AVX2 and FMA do.
         return unsafe { x86::run(fused, kernel) };
     }
     kernel.run(Portable)
 }
 
-/// Name of the kernels that this machine runs: `avx2-fma`, or `portable` for what the compiler
-/// makes of plain Rust. Both give the same bits.
+/// Name of the kernels of plain Rust, as the compiler makes them for any machine.
+const PORTABLE: &str = "portable";
+
+/// Name of the kernels for x86-64 with AVX2 and FMA.
+const FUSED: &str = "avx2-fma";
+
+/// Whether [`choose`] has asked for the portable kernels.
+static PORTABLE_ASKED: AtomicBool = AtomicBool::new(false);
+
+/// Name of the kernels in use: `avx2-fma` where the machine has these instructions, unless
+/// [`choose`] says otherwise, or `portable`. Both give the same bits.
 #[must_use]
 pub fn kernels() -> &'static str {
     #[cfg(target_arch = "x86_64")]
-    if x86::Fused::detect().is_some() {
-        return "avx2-fma";
+    if x86::Fused::chosen().is_some() {
+        return FUSED;
     }
-    "portable"
+    PORTABLE
+}
+
+/// From now on the kernels called `name` are used, in the whole process.
+///
+/// # Errors
+/// When this machine or version has none of that name; those in use stay.
+pub fn choose(name: &str) -> Result<(), String> {
+    let portable = name == PORTABLE;
+    #[cfg(target_arch = "x86_64")]
+    let has = portable || (name == FUSED && x86::Fused::detect().is_some());
+    #[cfg(not(target_arch = "x86_64"))]
+    let has = portable;
+    if !has {
+        let in_use = kernels();
+        return Err(format!("this machine has no kernels `{name}`; `{in_use}` give the same bits"));
+    }
+    PORTABLE_ASKED.store(portable, Ordering::Relaxed);
+    Ok(())
 }
 
 /// Plain Rust.
@@ -295,6 +324,11 @@ mod x86 {
         pub(super) fn detect() -> Option<Self> {
             let has = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
             has.then_some(Self(()))
+        }
+
+        #[inline]
+        pub(super) fn chosen() -> Option<Self> {
+            if super::PORTABLE_ASKED.load(super::Ordering::Relaxed) { None } else { Self::detect() }
         }
     }
 

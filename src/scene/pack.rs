@@ -40,6 +40,12 @@ pub struct PackSource {
 }
 
 impl PackSource {
+    /// The seed of what is drawn by lot.
+    #[must_use]
+    pub fn seed(&self) -> u64 {
+        self.generate.as_ref().map_or(self.seed, |generate| generate.seed)
+    }
+
     pub(super) fn check(
         &self,
         at: &Field,

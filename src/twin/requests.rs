@@ -13,7 +13,7 @@ use crate::state::State;
 use crate::wall::Setpoint;
 
 /// What of a scene can change between two commands; units and ranges are the scene's.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Settings {
     /// Age beyond which a command is refused \[s\]; 0 = never.
     pub stale_after: f64,

@@ -19,6 +19,7 @@ pub(crate) fn provenance() -> Provenance {
                 .to_vec(),
         pack_history: Some(br#"{"rotations": [[0, 0, 0]], "contacts": []}"#.to_vec()),
         threads: 2,
+        seed: 1,
     }
 }
 

@@ -4,7 +4,8 @@ use std::path::Path;
 use std::sync::Mutex;
 
 use super::*;
-use graintwin::command::{Ask, Mode, Stamp};
+use graintwin::command::request::Answer;
+use graintwin::command::{Ask, Mode};
 use graintwin::pack::{Grain, Pack};
 use graintwin::scene;
 use graintwin::wall::Bounds;
@@ -72,7 +73,9 @@ fn served(
     let mut sinks: Vec<Box<dyn Sink>> = vec![Box::new(Kept(&kept))];
     let how = (Outputs::default(), late);
     let mut source = Came(came.into_iter().collect());
-    serve(&mut twin(), how, &mut source, &mut sinks, &AtomicBool::new(stop)).unwrap();
+    let mut twin = twin();
+    start(&mut twin, how.0, &mut sinks).unwrap();
+    serve(&mut twin, how, &mut source, &mut sinks, &AtomicBool::new(stop));
     drop(sinks);
     let kept = kept.into_inner().unwrap();
     let told = |one: &Arc<Served>| {

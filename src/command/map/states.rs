@@ -2,9 +2,10 @@
 
 use super::joints::Joints;
 use crate::command::request::Intake;
-use crate::command::{Ask, Command, Mode};
+use crate::command::{Ask, Command, Mode, Stamp};
 use crate::msg::JointState;
 use crate::scene::JointStates;
+use crate::wall::{self, WallTarget};
 
 /// Makes a command of each `sensor_msgs/JointState`.
 ///
@@ -33,17 +34,32 @@ impl JointStateMap {
             self.joints.set_zeros(&places, positions);
             Ok(targets)
         });
-        let command = |targets| Command {
-            stamp: header.stamp.into(),
+        let stamp = header.stamp.into();
+        match read {
+            Ok(targets) => Intake::Command(self.command(stamp, targets, age)),
+            Err(text) => Intake::Malformed(self.command(stamp, self.joints.unknown(), age), text),
+        }
+    }
+
+    /// What stands for a message of about `stamp` that cannot be read, for which `text` is why.
+    pub fn unreadable(&mut self, stamp: Stamp, text: String) -> Intake {
+        self.sequence += 1;
+        Intake::Malformed(self.command(stamp, self.joints.unknown(), None), text)
+    }
+
+    fn command(
+        &self,
+        stamp: Stamp,
+        targets: [WallTarget; wall::COUNT],
+        age: Option<f64>,
+    ) -> Command {
+        Command {
+            stamp,
             session: self.session.clone(),
             sequence: self.sequence,
             mode: Mode::Absolute,
             ask: Ask::Targets(targets),
             age,
-        };
-        match read {
-            Ok(targets) => Intake::Command(command(targets)),
-            Err(text) => Intake::Malformed(command(self.joints.unknown()), text),
         }
     }
 }

@@ -42,13 +42,9 @@ impl TrajectoryMap {
         let start = Stamp::from(message.header.stamp);
         // Without a stamp it begins at once: nothing says how old it is.
         let age = age.filter(|_| start != Stamp::default());
-        let command = |sequence, stamp: Stamp, targets| Command {
-            stamp,
-            session: format!("{}/{}", self.session, self.count),
-            sequence,
-            mode: Mode::Absolute,
-            ask: Ask::Targets(targets),
-            age: age.map(|age| age - (stamp.seconds() - start.seconds())),
+        let command = |sequence, stamp: Stamp, targets| {
+            let age = age.map(|age| age - (stamp.seconds() - start.seconds()));
+            Command { age, ..self.command(sequence, stamp, targets) }
         };
         match self.points(message) {
             Ok(points) => (1..)
@@ -57,6 +53,23 @@ impl TrajectoryMap {
                 .map(Intake::Command)
                 .collect(),
             Err(text) => vec![Intake::Malformed(command(1, start, self.joints.unknown()), text)],
+        }
+    }
+
+    /// What stands for a message of about `stamp` that cannot be read, for which `text` is why.
+    pub fn unreadable(&mut self, stamp: Stamp, text: String) -> Intake {
+        self.count += 1;
+        Intake::Malformed(self.command(1, stamp, self.joints.unknown()), text)
+    }
+
+    fn command(&self, sequence: u64, stamp: Stamp, targets: [WallTarget; wall::COUNT]) -> Command {
+        Command {
+            stamp,
+            session: format!("{}/{}", self.session, self.count),
+            sequence,
+            mode: Mode::Absolute,
+            ask: Ask::Targets(targets),
+            age: None,
         }
     }
 

@@ -47,7 +47,17 @@ pub(in crate::pack) fn read(file: &Path, grains: usize) -> Result<History, PackE
     if bytes.len() as u64 > most {
         return Err(wrong(format!("larger than {most} bytes, which {grains} grains never need")));
     }
-    let mut json = serde_json::Deserializer::from_slice(&bytes);
+    parse(&bytes, file, grains)
+}
+
+/// As [`read`] for a file in memory; `file` is what errors name.
+pub(in crate::pack) fn parse(
+    bytes: &[u8],
+    file: &Path,
+    grains: usize,
+) -> Result<History, PackError> {
+    let wrong = |text: String| PackError::History { file: file.into(), text };
+    let mut json = serde_json::Deserializer::from_slice(bytes);
     let history: History = serde_path_to_error::deserialize(&mut json).map_err(|error| {
         let path = error.path().to_string();
         match path.as_str() {

@@ -11,7 +11,7 @@ const KINDS: [&MessageType; 2] = [BoundaryCommand::TYPE, WallTargets::TYPE];
 /// The commands of a bag; see [`Bag::commands`].
 pub struct Commands<'a> {
     bag: &'a Bag,
-    items: Items<'a>,
+    items: Items,
     /// Topic of the boundary commands and of the wall targets.
     topics: [Option<String>; 2],
     others: Vec<String>,
@@ -43,7 +43,7 @@ impl<'a> Commands<'a> {
         {
             Ok(())
         } else {
-            Err(ReadError::OtherDefinition { path, topic })
+            Err(ReadError::OtherDefinition { path, topic, kind: KINDS[kind] })
         }
     }
 
@@ -101,6 +101,7 @@ fn fields(definition: &str) -> impl Iterator<Item = Vec<&str>> {
         .lines()
         .take_while(|line| !line.starts_with("===="))
         .map(|line| line.split('#').next().unwrap_or_default())
-        .filter(|line| !line.trim().is_empty() && !line.contains('='))
+        // A bound, as in `string<=10 name`, is no constant.
+        .filter(|line| !line.trim().is_empty() && !line.replace("<=", "").contains('='))
         .map(|line| line.split_whitespace().collect())
 }

@@ -10,21 +10,26 @@ pub(super) enum Record {
     Schema {
         id: u16,
         name: String,
-        text: String,
+        encoding: String,
+        data: Vec<u8>,
     },
     Channel {
         id: u16,
         schema: u16,
         topic: String,
         encoding: String,
+        about: BTreeMap<String, String>,
     },
     Message {
         channel: u16,
+        sequence: u32,
         log_time: u64,
         publish_time: u64,
         data: Vec<u8>,
     },
     Attachment {
+        log_time: u64,
+        create_time: u64,
         name: String,
         media_type: String,
         data: Vec<u8>,
@@ -45,86 +50,103 @@ impl Record {
             op::SCHEMA => fields.schema(),
             op::CHANNEL => fields.channel(),
             op::MESSAGE => fields.message(),
-            op::ATTACHMENT => return fields.attachment(body),
             op::METADATA => fields.metadata(),
             _ => Some(Self::Other),
         };
         record.ok_or_else(|| format!("a record of kind {opcode} with impossible lengths or text"))
     }
+
+    /// Takes a record out of a chunk apart. Only three kinds may be in one, and those that other
+    /// programs may add.
+    pub(super) fn in_chunk(opcode: u8, body: &[u8]) -> Result<Self, String> {
+        match opcode {
+            op::SCHEMA | op::CHANNEL | op::MESSAGE => Self::parse(opcode, body),
+            0..=op::DATA_END => Err(format!("a record of kind {opcode} in a chunk")),
+            _ => Ok(Self::Other),
+        }
+    }
+
+    /// Takes an attachment apart, whose bytes stay where they are.
+    pub(super) fn attachment(mut body: Vec<u8>) -> Result<Self, String> {
+        let mut fields = Fields(&body);
+        let Some(((log_time, create_time), name, media_type, length, sum)) = fields.attachment()
+        else {
+            return Err("an attachment with impossible lengths or text".into());
+        };
+        let end = body.len() - 4;
+        if sum != 0 && crc32fast::hash(&body[..end]) != sum {
+            return Err(format!("the sum over attachment `{name}` is not its own"));
+        }
+        body.truncate(end);
+        body.drain(..end - length);
+        Ok(Self::Attachment { log_time, create_time, name, media_type, data: body })
+    }
 }
 
-/// Whether a chunk that is not packed holds more than its header says. The MCAP reader counts the
-/// bytes of such a chunk below zero.
-pub(super) fn chunk_overflows(body: &[u8]) -> bool {
-    let mut fields = Fields(body);
-    let declared = (|| {
-        fields.bytes(28)?;
-        fields.text()?.is_empty().then_some(fields.u64()?)
-    })();
-    declared.is_some_and(|declared| fields.0.len() as u64 > declared)
-}
+/// Longest name of a topic, a type or an encoding \[bytes\]; ROS 2 allows fewer than 256.
+const LONGEST_NAME: usize = 512;
 
-struct Fields<'a>(&'a [u8]);
+/// What is left of a record.
+pub(super) struct Fields<'a>(pub(super) &'a [u8]);
 
 impl<'a> Fields<'a> {
     fn schema(&mut self) -> Option<Record> {
         let id = self.u16()?;
-        let name = self.text()?.to_owned();
-        let _encoding = self.text()?;
-        // A schema may be binary; then it is none of ours, and its text does not matter.
+        let name = self.name()?.to_owned();
+        let encoding = self.name()?.to_owned();
         let length = self.u32()? as usize;
-        let text = String::from_utf8_lossy(self.bytes(length)?).into_owned();
-        Some(Record::Schema { id, name, text })
+        let data = self.bytes(length)?.to_vec();
+        Some(Record::Schema { id, name, encoding, data })
     }
 
     fn channel(&mut self) -> Option<Record> {
         let (id, schema) = (self.u16()?, self.u16()?);
-        let topic = self.text()?.to_owned();
-        let encoding = self.text()?.to_owned();
-        Some(Record::Channel { id, schema, topic, encoding })
+        let topic = self.name()?.to_owned();
+        let encoding = self.name()?.to_owned();
+        let about = self.texts()?;
+        Some(Record::Channel { id, schema, topic, encoding, about })
     }
 
     fn message(&mut self) -> Option<Record> {
         let channel = self.u16()?;
-        let _sequence = self.u32()?;
+        let sequence = self.u32()?;
         let (log_time, publish_time) = (self.u64()?, self.u64()?);
-        Some(Record::Message { channel, log_time, publish_time, data: self.0.to_vec() })
+        let data = self.0.to_vec();
+        Some(Record::Message { channel, sequence, log_time, publish_time, data })
     }
 
     fn metadata(&mut self) -> Option<Record> {
-        let name = self.text()?.to_owned();
-        let length = self.u32()? as usize;
-        let mut pairs = Fields(self.bytes(length)?);
-        let mut values = BTreeMap::new();
-        while !pairs.0.is_empty() {
-            values.insert(pairs.text()?.to_owned(), pairs.text()?.to_owned());
-        }
+        let name = self.name()?.to_owned();
+        let values = self.texts()?;
         Some(Record::Metadata { name, values })
     }
 
-    /// The crate's own parser checks the sum over an attachment, but only once the lengths are
-    /// known to be possible.
-    fn attachment(&mut self, body: &[u8]) -> Result<Record, String> {
-        let possible = (|| {
-            self.bytes(16)?;
-            self.text()?;
-            self.text()?;
-            let length = usize::try_from(self.u64()?).ok()?;
-            self.bytes(length)?;
-            (self.0.len() == 4).then_some(())
-        })();
-        if possible.is_none() {
-            return Err("an attachment with impossible lengths or text".into());
+    /// Texts by name.
+    fn texts(&mut self) -> Option<BTreeMap<String, String>> {
+        let length = self.u32()? as usize;
+        let mut pairs = Fields(self.bytes(length)?);
+        let mut texts = BTreeMap::new();
+        while !pairs.0.is_empty() {
+            texts.insert(pairs.text()?.to_owned(), pairs.text()?.to_owned());
         }
-        match mcap::parse_record(op::ATTACHMENT, body) {
-            Ok(mcap::records::Record::Attachment { header, data, .. }) => Ok(Record::Attachment {
-                name: header.name,
-                media_type: header.media_type,
-                data: data.into_owned(),
-            }),
-            Ok(_) => Err("an attachment that is none".into()),
-            Err(error) => Err(error.to_string()),
-        }
+        Some(texts)
+    }
+
+    /// Times, name, type, size and sum; nothing where the lengths do not fill the record.
+    fn attachment(&mut self) -> Option<((u64, u64), String, String, usize, u32)> {
+        let times = (self.u64()?, self.u64()?);
+        let (name, media_type) = (self.name()?.to_owned(), self.name()?.to_owned());
+        let length = usize::try_from(self.u64()?).ok()?;
+        self.bytes(length)?;
+        let sum = self.u32()?;
+        self.0.is_empty().then_some((times, name, media_type, length, sum))
+    }
+
+    /// Opcode and body of a whole record.
+    pub(super) fn record(&mut self) -> Option<(u8, &'a [u8])> {
+        let [opcode] = self.array()?;
+        let length = usize::try_from(self.u64()?).ok()?;
+        Some((opcode, self.bytes(length)?))
     }
 
     fn bytes(&mut self, count: usize) -> Option<&'a [u8]> {
@@ -143,16 +165,21 @@ impl<'a> Fields<'a> {
         self.array().map(u16::from_le_bytes)
     }
 
-    fn u32(&mut self) -> Option<u32> {
+    pub(super) fn u32(&mut self) -> Option<u32> {
         self.array().map(u32::from_le_bytes)
     }
 
-    fn u64(&mut self) -> Option<u64> {
+    pub(super) fn u64(&mut self) -> Option<u64> {
         self.array().map(u64::from_le_bytes)
     }
 
     fn text(&mut self) -> Option<&'a str> {
         let length = self.u32()? as usize;
         std::str::from_utf8(self.bytes(length)?).ok()
+    }
+    /// A text that may be shown on a terminal.
+    pub(super) fn name(&mut self) -> Option<&'a str> {
+        let name = self.text()?;
+        (name.len() <= LONGEST_NAME && !name.contains(char::is_control)).then_some(name)
     }
 }

@@ -1,25 +1,26 @@
 //! The records of an MCAP file from its front to its end, chunks unpacked.
 
-use std::collections::VecDeque;
-use std::fs::File;
-use std::io::{self, Read, Seek, SeekFrom};
-use std::path::Path;
+use std::io::{self, Read};
 
+use mcap::MAGIC;
 use mcap::records::op;
-use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
-use mcap::{MAGIC, McapError};
 
-use super::fields::{self, Record};
+use super::bounded::fill;
+use super::chunk::{Chunk, LARGEST, Unusable};
+use super::fields::{Fields, Record};
+use super::part::Part;
 
-/// Largest record, and largest chunk packed or unpacked, that is taken into memory \[bytes\]:
-/// a network of 7 10^6 contacts.
-const LARGEST: usize = 512 << 20;
-
-/// Bytes asked of the file at once.
-const PIECE: usize = 64 << 10;
+/// Largest description of a type, of a topic or of anything else in words \[bytes\].
+const LARGEST_TEXT: usize = 16 << 20;
 
 /// Opcode and length in front of every record.
 const PREFIX: usize = 9;
+
+/// Body of the record that ends the file.
+const FOOTER: usize = 20;
+
+/// Bytes passed over at once.
+const PIECE: usize = 64 << 10;
 
 /// Where a file stops making sense, and why.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -40,171 +41,225 @@ pub(super) enum Stop {
     Damage(Damage),
 }
 
+impl From<io::Error> for Stop {
+    fn from(error: io::Error) -> Self {
+        Self::Io(error)
+    }
+}
+
 /// Reads one file.
 pub(super) struct Records {
-    file: File,
-    framing: LinearReader,
+    from: Box<dyn Read + Send>,
     /// Start of the record at hand in the file.
     at: u64,
     /// Start of the record after it.
     next: u64,
-    /// Records out of the chunk at hand.
-    unpacked: VecDeque<Frame>,
-    /// What ends the file, behind the unpacked records.
+    /// Over the section at hand.
+    sum: crc32fast::Hasher,
+    section: Section,
+    /// The chunk at hand.
+    chunk: Chunk,
+    /// What ends the file, behind the records of the chunk.
     stop: Option<Stop>,
-    ended: bool,
 }
 
-/// Opcode and body of a record.
-type Frame = (u8, Vec<u8>);
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Section {
+    /// Before the first record.
+    Start,
+    Data,
+    Summary,
+    /// Behind the last record.
+    End,
+}
 
 impl Records {
-    pub(super) fn open(path: &Path) -> io::Result<Self> {
-        let options = LinearReaderOptions::default()
-            .with_emit_chunks(true)
-            .with_validate_data_section_crc(true)
-            .with_validate_summary_section_crc(true)
-            .with_check_finishes_after_end_magic(true)
-            .with_record_length_limit(LARGEST);
+    pub(super) fn open(part: &Part) -> io::Result<Self> {
         Ok(Self {
-            file: File::open(path)?,
-            framing: LinearReader::new_with_options(options),
+            from: part.read()?,
             at: 0,
-            next: MAGIC.len() as u64,
-            unpacked: VecDeque::new(),
+            next: 0,
+            sum: crc32fast::Hasher::new(),
+            section: Section::Start,
+            chunk: Chunk::default(),
             stop: None,
-            ended: false,
         })
     }
 
     /// Damage at the record that was read last.
-    pub(super) fn damage(&self, reason: String) -> Stop {
-        Stop::Damage(Damage { offset: self.at, reason })
+    pub(super) fn damage(&self, reason: impl Into<String>) -> Stop {
+        Stop::Damage(Damage { offset: self.at, reason: reason.into() })
     }
 
-    /// The next frame of the file itself.
-    fn frame(&mut self) -> Option<Result<Frame, Stop>> {
-        loop {
-            match self.framing.next_event()? {
-                Ok(LinearReadEvent::ReadRequest(_)) => {
-                    match read(&mut self.file, self.framing.insert(PIECE)) {
-                        Ok(count) => self.framing.notify_read(count),
-                        Err(error) => return Some(Err(Stop::Io(error))),
-                    }
-                }
-                Ok(LinearReadEvent::Record { opcode, data }) => {
-                    self.at = self.next;
-                    self.next += (PREFIX + data.len()) as u64;
-                    return Some(Ok((opcode, data.to_vec())));
-                }
-                Err(error) => {
-                    self.at = self.next;
-                    if matches!(error, McapError::UnexpectedEof) {
-                        self.unpacked = self.rescue().unwrap_or_default();
-                    }
-                    return Some(Err(self.damage(reason(error))));
-                }
-            }
+    fn end(&mut self, stop: Stop) -> Stop {
+        self.section = Section::End;
+        self.chunk = Chunk::default();
+        self.stop = None;
+        stop
+    }
+
+    /// Reads a record of the file itself; `None` when it is a chunk, or the end.
+    fn frame(&mut self) -> Result<Option<Record>, Stop> {
+        if self.section == Section::Start {
+            self.mark("the file ends within the mark that MCAP files begin with")?;
+            self.section = Section::Data;
         }
+        self.at = self.next;
+        let mut prefix = Vec::new();
+        if !fill(&mut self.from, &mut prefix, PREFIX)? {
+            return Err(self.damage(match prefix.is_empty() {
+                true => "the file ends without the record that closes it",
+                false => IN_THE_MIDDLE,
+            }));
+        }
+        let before = self.sum.clone();
+        self.sum.update(&prefix);
+        let opcode = prefix[0];
+        let length = Fields(&prefix[1..]).u64().unwrap_or_default();
+        self.next = self.next.saturating_add(PREFIX as u64).saturating_add(length);
+        let most = match opcode {
+            0 => return Err(self.damage("a record of kind 0, which there is not")),
+            op::CHUNK | op::MESSAGE | op::ATTACHMENT => LARGEST,
+            op::SCHEMA | op::CHANNEL | op::METADATA => LARGEST_TEXT,
+            op::DATA_END => return self.data_end(length, before).map(|()| None),
+            op::FOOTER => return self.footer(length).map(|()| None),
+            _ => return self.pass_over(length).map(|()| Some(Record::Other)),
+        };
+        if self.section == Section::Summary && !matches!(opcode, op::SCHEMA | op::CHANNEL) {
+            return Err(self.damage(format!("a record of kind {opcode} behind the data's end")));
+        }
+        let length = usize::try_from(length).ok().filter(|length| *length <= most);
+        let Some(length) = length else {
+            let text = format!("a record of kind {opcode} with more than {most} bytes");
+            return Err(self.damage(text));
+        };
+        let mut body = Vec::new();
+        if !fill(&mut self.from, &mut body, length)? {
+            let stop = self.damage(IN_THE_MIDDLE);
+            if opcode != op::CHUNK {
+                return Err(stop);
+            }
+            self.stop = Some(stop);
+            self.chunk = Chunk::unpack(body, true).unwrap_or_default();
+            return Ok(None);
+        }
+        self.sum.update(&body);
+        if opcode == op::CHUNK {
+            self.chunk = Chunk::unpack(body, false).map_err(|unusable| match unusable {
+                Unusable::Io(error) => Stop::Io(error),
+                Unusable::Damage(reason) => self.damage(reason),
+            })?;
+            return Ok(None);
+        }
+        let record = match opcode {
+            op::ATTACHMENT => Record::attachment(body),
+            _ => Record::parse(opcode, &body),
+        };
+        record.map(Some).map_err(|reason| self.damage(reason))
     }
 
-    /// What can be read of a chunk that the file's end cuts through.
-    fn rescue(&mut self) -> io::Result<VecDeque<Frame>> {
-        self.file.seek(SeekFrom::Start(self.at))?;
-        let mut prefix = [0; PREFIX];
-        self.file.read_exact(&mut prefix)?;
-        if prefix[0] != op::CHUNK {
-            return Ok(VecDeque::new());
+    /// Reads the mark at either end of a file.
+    fn mark(&mut self, cut: &str) -> Result<(), Stop> {
+        let mut mark = Vec::new();
+        let whole = fill(&mut self.from, &mut mark, MAGIC.len())?;
+        if !MAGIC.starts_with(&mark) {
+            return Err(self.damage("not the mark that MCAP files begin and end with"));
+        }
+        if !whole {
+            return Err(self.damage(cut));
+        }
+        self.sum.update(&mark);
+        self.next += mark.len() as u64;
+        Ok(())
+    }
+
+    /// Reads the record that ends the data; `sum` is that over all bytes before it.
+    fn data_end(&mut self, length: u64, sum: crc32fast::Hasher) -> Result<(), Stop> {
+        if self.section != Section::Data {
+            return Err(self.damage("the data end twice"));
+        }
+        let body = self.small(length, 4)?;
+        let said = Fields(&body).u32().unwrap_or_default();
+        if said != 0 && sum.finalize() != said {
+            return Err(self.damage("the sum over all bytes before this is not theirs"));
+        }
+        self.section = Section::Summary;
+        self.sum = crc32fast::Hasher::new();
+        Ok(())
+    }
+
+    /// Reads the record that ends the file, and what is behind it.
+    fn footer(&mut self, length: u64) -> Result<(), Stop> {
+        if self.section != Section::Summary {
+            return Err(self.damage("the file ends before its data do"));
+        }
+        let body = self.small(length, FOOTER)?;
+        let (summed, sum) = body.split_at(FOOTER - 4);
+        self.sum.update(summed);
+        let said = Fields(sum).u32().unwrap_or_default();
+        if said != 0 && self.sum.clone().finalize() != said {
+            return Err(self.damage("the sum over the summary is not its own"));
+        }
+        self.at = self.next;
+        self.mark("the file ends within the mark that MCAP files end with")?;
+        self.section = Section::End;
+        if self.from.read(&mut [0])? != 0 {
+            self.at = self.next;
+            return Err(self.damage("more bytes behind the end"));
+        }
+        Ok(())
+    }
+
+    /// A body that has one size only.
+    fn small(&mut self, length: u64, size: usize) -> Result<Vec<u8>, Stop> {
+        if length != size as u64 {
+            return Err(self.damage("a record at the end of a section with an impossible length"));
         }
         let mut body = Vec::new();
-        self.file.by_ref().take(LARGEST as u64).read_to_end(&mut body)?;
-        Ok(unpack(prefix, &body).0)
-    }
-
-    fn chunk(&mut self, body: &[u8]) {
-        let mut prefix = [op::CHUNK; PREFIX];
-        prefix[1..].copy_from_slice(&(body.len() as u64).to_le_bytes());
-        match unpack(prefix, body) {
-            (unpacked, Ok(())) => self.unpacked = unpacked,
-            (_, Err(error)) => self.stop = Some(self.damage(reason(error))),
+        match fill(&mut self.from, &mut body, size)? {
+            true => Ok(body),
+            false => Err(self.damage(IN_THE_MIDDLE)),
         }
     }
+
+    fn pass_over(&mut self, mut length: u64) -> Result<(), Stop> {
+        let mut piece = Vec::new();
+        while length > 0 {
+            piece.clear();
+            let wanted = usize::try_from(length).unwrap_or(PIECE).min(PIECE);
+            if !fill(&mut self.from, &mut piece, wanted)? {
+                return Err(self.damage(IN_THE_MIDDLE));
+            }
+            self.sum.update(&piece);
+            length -= wanted as u64;
+        }
+        Ok(())
+    }
 }
+
+const IN_THE_MIDDLE: &str = "the file ends in the middle of a record";
 
 impl Iterator for Records {
     type Item = Result<Record, Stop>;
 
+    /// Ends after the first error.
     fn next(&mut self) -> Option<Self::Item> {
-        while !self.ended {
-            if let Some((opcode, body)) = self.unpacked.pop_front() {
-                let record = Record::parse(opcode, &body).map_err(|reason| self.damage(reason));
-                self.ended = record.is_err();
-                return Some(record);
+        loop {
+            if let Some(record) = self.chunk.record() {
+                let record = record.map_err(|reason| self.damage(reason));
+                return Some(record.map_err(|stop| self.end(stop)));
             }
             if let Some(stop) = self.stop.take() {
-                self.ended = true;
-                return Some(Err(stop));
+                return Some(Err(self.end(stop)));
+            }
+            if self.section == Section::End {
+                return None;
             }
             match self.frame() {
-                Some(Ok((op::CHUNK, body))) => self.chunk(&body),
-                Some(Ok(frame)) => self.unpacked.push_back(frame),
-                Some(Err(stop)) => self.stop = Some(stop),
-                None => self.ended = true,
+                Ok(None) => {}
+                Ok(Some(record)) => return Some(Ok(record)),
+                Err(stop) => return Some(Err(self.end(stop))),
             }
         }
-        None
-    }
-}
-
-/// The records in a chunk, whole or cut off, and whether that is all of them.
-fn unpack(prefix: [u8; PREFIX], body: &[u8]) -> (VecDeque<Frame>, Result<(), McapError>) {
-    let mut unpacked = VecDeque::new();
-    if fields::chunk_overflows(body) {
-        return (unpacked, Err(McapError::UnexpectedEoc));
-    }
-    let options = LinearReaderOptions::default()
-        .with_skip_start_magic(true)
-        .with_skip_end_magic(true)
-        .with_validate_chunk_crcs(true)
-        .with_record_length_limit(LARGEST);
-    let mut reader = LinearReader::new_with_options(options);
-    let mut source = prefix.chain(body);
-    let mut bytes = 0_usize;
-    while let Some(event) = reader.next_event() {
-        match event {
-            Ok(LinearReadEvent::ReadRequest(_)) => match source.read(reader.insert(PIECE)) {
-                Ok(count) => reader.notify_read(count),
-                Err(error) => return (unpacked, Err(error.into())),
-            },
-            Ok(LinearReadEvent::Record { opcode, data }) => {
-                bytes += data.len();
-                if bytes > LARGEST {
-                    return (unpacked, Err(McapError::ChunkTooLarge(bytes as u64)));
-                }
-                unpacked.push_back((opcode, data.to_vec()));
-            }
-            Err(error) => return (unpacked, Err(error)),
-        }
-    }
-    (unpacked, Ok(()))
-}
-
-/// Reads what is there; no bytes at the end of the file.
-fn read(file: &mut File, into: &mut [u8]) -> io::Result<usize> {
-    loop {
-        match file.read(into) {
-            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-            other => return other,
-        }
-    }
-}
-
-/// The sentence about an error, with its cause where the sentence hides it.
-fn reason(error: McapError) -> String {
-    match error {
-        McapError::Io(error) => error.to_string(),
-        McapError::UnexpectedEof => "the file ends in the middle of a record".into(),
-        McapError::BadMagic => "not the mark that MCAP files begin and end with".into(),
-        other => other.to_string(),
     }
 }
