@@ -9,6 +9,9 @@ use graintwin::msg::{BoundaryCommand, Described, JointState, JointTrajectory, Wa
 
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 
+/// Most that contents are repeated to \[bytes\]: the generator is not what is tested.
+const LARGEST: usize = 1 << 20;
+
 #[derive(Arbitrary, Debug)]
 struct File {
     pieces: Vec<Piece>,
@@ -138,7 +141,8 @@ impl Piece {
                 let mut contents = Vec::new();
                 entries.iter().for_each(|entry| entry.write(&mut contents));
                 let repeat = lie.as_ref().map_or(1, |lie| lie.repeat.max(1));
-                let contents = contents.repeat(usize::from(repeat));
+                let most = LARGEST / contents.len().max(1);
+                let contents = contents.repeat(usize::from(repeat).min(most.max(1)));
                 let packed = packing.pack(&contents);
                 body.extend([0; 16]);
                 let unpacked = lie.as_ref().and_then(|lie| lie.unpacked);
@@ -202,10 +206,10 @@ impl Entry {
                 message(body, *channel, u64::from(*time));
                 data.write(body);
             }),
-            // A megabyte, which packs to nothing.
+            // They pack to nothing.
             Self::Zeros { channel, count } => record(to, 5, |body| {
                 message(body, *channel, 0);
-                body.resize(body.len() + (count % (1 << 20)) as usize, 0);
+                body.resize(body.len() + (count % (1 << 16)) as usize, 0);
             }),
             Self::Other { opcode, body, length } => {
                 to.push(*opcode);
