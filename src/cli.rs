@@ -7,14 +7,22 @@ mod completions;
 mod failure;
 mod generate;
 mod given;
+mod job;
 mod log;
+mod orders;
 pub(crate) mod output;
+#[cfg(feature = "mcap")]
+mod pace;
 #[cfg(feature = "mcap")]
 mod plot;
 mod progress;
-#[cfg(feature = "mcap")]
+#[cfg_attr(not(feature = "mcap"), path = "cli/without/recording.rs")]
 mod recording;
-#[cfg(feature = "ros")]
+#[cfg(feature = "mcap")]
+mod replay;
+#[cfg_attr(not(feature = "mcap"), path = "cli/without/resume.rs")]
+mod resume;
+#[cfg_attr(not(feature = "ros"), path = "cli/without/ros.rs")]
 mod ros;
 mod run;
 mod serve;
@@ -81,6 +89,8 @@ pub(crate) struct Cli {
 #[derive(Debug, Subcommand)]
 enum Verb {
     Run(run::Args),
+    #[cfg(feature = "mcap")]
+    Replay(replay::Args),
     Generate(generate::Args),
     Check(check::Args),
     #[cfg(feature = "mcap")]
@@ -88,6 +98,17 @@ enum Verb {
     #[cfg(unix)]
     Bench(bench::Args),
     Completions(completions::Args),
+}
+
+#[cfg(feature = "ros")]
+impl Verb {
+    fn can_join_ros(&self) -> bool {
+        #[cfg(feature = "mcap")]
+        if matches!(self, Self::Replay(_)) {
+            return true;
+        }
+        matches!(self, Self::Run(_))
+    }
 }
 
 impl Cli {
@@ -125,11 +146,13 @@ pub(crate) fn run(cli: &Cli) -> Result<Outcome, Failure> {
         tracing::warn!("{sentence}");
     }
     #[cfg(feature = "ros")]
-    if cli.ros_args.is_some() && !matches!(cli.verb, Verb::Run(_)) {
-        tracing::warn!("--ros-args is for `graintwin run` and is ignored");
+    if cli.ros_args.is_some() && !cli.verb.can_join_ros() {
+        tracing::warn!("--ros-args is for `run` and `replay`, and is ignored");
     }
     match &cli.verb {
         Verb::Run(args) => run::run(args, cli, &bars, log),
+        #[cfg(feature = "mcap")]
+        Verb::Replay(args) => replay::run(args, cli, &bars, log),
         Verb::Generate(args) => generate::run(args, cli, &bars),
         Verb::Check(args) => check::run(args, cli),
         #[cfg(feature = "mcap")]

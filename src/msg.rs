@@ -13,8 +13,9 @@ pub mod cdr;
 mod circumstance;
 pub mod convert;
 pub mod diagnostics;
+#[cfg(feature = "mcap")]
+pub mod fields;
 pub mod graintwin;
-#[cfg(feature = "ros")]
 pub mod rcl;
 pub mod schema;
 pub mod services;

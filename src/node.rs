@@ -86,7 +86,7 @@ use crate::command::map::{JointStateMap, TrajectoryMap};
 use crate::command::request::Intake;
 use crate::msg::{JointState, JointTrajectory};
 use crate::scene::{self, Outputs};
-use crate::sink::Recording;
+use crate::sink::{Beside, Recording};
 
 /// Log directives for the middleware, to go before those of the user. At WARN it tells, on a
 /// machine where loopback has no multicast, of every message that it then sends another way; the
@@ -227,8 +227,13 @@ impl Node {
         let spinner = runtime.spawn(spin(spinner));
         let (commands_in, commands_out) = mpsc::channel(commands::WAITING);
         let waiting = commands_in.downgrade();
-        let intake =
-            Intakes { queue: commands_in, counters: Arc::clone(&counters), clock: clock.clone() };
+        let recorder = Recorder::default();
+        let intake = Intakes {
+            queue: commands_in,
+            counters: Arc::clone(&counters),
+            clock: clock.clone(),
+            recorder: Arc::clone(&recorder),
+        };
         let Subscriptions { sources, cells, clock: times, services } = subscriptions;
         let watched = strangers::watched(&identity, options);
         let mut tasks = vec![runtime.spawn(strangers::warn(context.clone(), watched))];
@@ -248,7 +253,6 @@ impl Node {
             counters: Arc::clone(&counters),
         };
         let publishing = runtime.spawn(outbox.run(outbox_out));
-        let recorder = Recorder::default();
         let comparison = options.measured_wrench.cells().map(|mapped| {
             let (outbox, recorder) = (outbox_in.clone(), Arc::clone(&recorder));
             Arc::new(Comparison::new(mapped, outbox, recorder, Arc::clone(&counters)))
@@ -263,10 +267,10 @@ impl Node {
         tasks.extend(receiving.into_iter().chain([stopping, pacing, publishing]));
 
         if let Some((services, store)) = parameters {
-            tasks.extend(services.serve(&runtime, &store));
+            tasks.extend(services.serve(&runtime, &store, &recorder));
         }
         if let Some((rosout, records)) = log {
-            tasks.push(runtime.spawn(rosout.run(records)));
+            tasks.push(runtime.spawn(rosout.run(records, Arc::clone(&recorder))));
         }
         for sentence in undone {
             tracing::warn!("{sentence}");
@@ -304,7 +308,7 @@ impl Node {
     }
 
     /// Tells once a second on `/diagnostics` how everything fares, under the name `hardware_id`.
-    /// What the load cells measure, and how the twin compares, goes into the `recording` too.
+    /// That goes into the `recording` too, and so does what comes and goes beside the answers.
     pub fn diagnose(&mut self, hardware_id: &str, recording: Option<Arc<dyn Recording>>) {
         if let Some(recording) = recording {
             // Only the first call finds the place empty; a run has one recording.
@@ -389,14 +393,16 @@ fn receive(
         let read = move |message: JointState, age: &Age<'_>| {
             [map.intake(&message, age(message.header.stamp.into()))]
         };
-        tasks.push(runtime.spawn(intake.clone().receive(subscription, read)));
+        let receiving = intake.clone().receive_and_record(subscription, Beside::JointStates, read);
+        tasks.push(runtime.spawn(receiving));
     }
     if let (Some(subscription), Some(map)) = (joint_trajectory, &options.joint_trajectory) {
         let mut map = TrajectoryMap::new(map);
         let read = move |message: JointTrajectory, age: &Age<'_>| {
             map.intakes(&message, age(message.header.stamp.into()))
         };
-        tasks.push(runtime.spawn(intake.receive(subscription, read)));
+        let receiving = intake.receive_and_record(subscription, Beside::JointTrajectory, read);
+        tasks.push(runtime.spawn(receiving));
     }
     tasks
 }

@@ -1,12 +1,19 @@
-//! Recordings: a rosbag2 folder with one MCAP file, written on a thread of its own.
+//! Recordings: a rosbag2 folder with MCAP files, written on a thread of its own.
 //!
 //! A recording holds every command with its report and every measure, each under the topic of
-//! [`topics`](crate::msg::topics), and as attachments what made it: `scene.yaml`, `pack.csv` and
-//! `pack.json`, with version, features, kernels and threads in a metadata record. ROS 2 plays it.
+//! [`topics`](crate::msg::topics), and what came and went beside them; as attachments what made it:
+//! `scene.yaml`, `pack.csv` and `pack.json`, with version, features, kernels and threads in a
+//! metadata record. ROS 2 plays it. [`scene::Record`] chooses topics.
+//!
+//! **Files.** With `record.split` the recording goes on in a new file, between two answers, when
+//! the one at hand has reached its size or duration. Each can be looked at alone: it has the types,
+//! the topics, the program's metadata record and, with its first message, the frames of the walls.
+//! The attachments are in the first. A split loses nothing, and `log_time` rises across it.
 //!
 //! **Nothing is lost quietly.** Answers go to the recorder's thread through a bounded queue; when
-//! the disk is slower than the twin, the twin waits. When writing fails, the run goes on without
-//! the recorder: [`Recorder::failure`] tells it at once, [`Recorder::finish`] at the end.
+//! the disk is slower than the twin, the twin waits. When writing fails, whoever was named to
+//! [`Recorder::tell_failure`] hears of it at once, and the recorder takes no more;
+//! [`Recorder::finish`] says it at the end.
 //!
 //! **A killed run leaves a recording.** A chunk of the file is closed, and written in one go,
 //! when it holds `record.chunk` bytes and no later than [`FLUSH_AFTER`] after its first answer.
@@ -24,10 +31,14 @@ mod bag;
 mod beside;
 mod metadata;
 pub mod reader;
+pub mod recover;
+pub mod replay;
+mod role;
+mod target;
 mod worker;
 
-use std::fs::{self, File};
-use std::io::{self, BufWriter};
+use std::fs::File;
+use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{SyncSender, sync_channel};
@@ -35,13 +46,17 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use crate::command::circumstance::Happened;
+use crate::msg::topics;
 use crate::report::Demand;
 use crate::scene;
 use crate::sink::{Served, Sink};
 
-use bag::BagWriter;
+use bag::{BagError, BagWriter, Making};
 pub use beside::RecorderHandle;
-use worker::{Item, Status, Worker};
+use recover::Resumed;
+use target::Target;
+pub use target::claim;
+use worker::{Beginning, Item, Status, Worker};
 
 /// How long an answer may wait in an open chunk before it is handed to the system.
 pub const FLUSH_AFTER: Duration = Duration::from_millis(200);
@@ -58,6 +73,9 @@ pub const PROGRAM: &str = "graintwin";
 
 /// Name of the metadata record with what the run came to; a run that was killed leaves none.
 pub const END: &str = "graintwin_end";
+
+/// Name of the metadata record in files that were recovered.
+pub const RECOVERED: &str = "graintwin_recovered";
 
 /// What made a recording, so that it can be made again.
 #[derive(Clone, Debug)]
@@ -90,9 +108,11 @@ pub struct Closing {
 pub struct Recorded {
     /// The folder.
     pub folder: PathBuf,
-    /// Messages in it.
+    /// How many MCAP files it has.
+    pub files: usize,
+    /// Messages in them.
     pub messages: u64,
-    /// Size of its MCAP file.
+    /// Their size.
     pub bytes: u64,
 }
 
@@ -116,14 +136,25 @@ pub enum RecordError {
         /// What the system said.
         reason: String,
     },
+    /// A recording cannot go on.
+    #[error("cannot go on with the recording in {}: {reason}", .path.display())]
+    Resume {
+        /// The folder.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// Writing failed during the run or at its end.
-    #[error("recording {} failed: {reason}; answers lost: {lost}", .path.display())]
+    #[error(
+        "recording {} failed: {reason}; answers and messages beside them that are lost: {lost}",
+        .path.display()
+    )]
     Write {
         /// The file.
         path: PathBuf,
         /// What the system said.
         reason: String,
-        /// Answers of the twin, and measurements, that are not in the recording.
+        /// Answers of the twin, and messages beside them, that are not in the recording.
         lost: u64,
     },
 }
@@ -135,6 +166,8 @@ pub struct Recorder {
     queue: Option<Arc<SyncSender<Item>>>,
     thread: Option<JoinHandle<Result<Recorded, RecordError>>>,
     status: Arc<Status>,
+    /// What is recorded.
+    wanted: Demand,
 }
 
 impl Recorder {
@@ -149,18 +182,54 @@ impl Recorder {
     ) -> Result<Self, RecordError> {
         claim(folder)?;
         let target = Target::new(folder);
-        let failed = |reason: String| RecordError::Create { path: target.file(), reason };
-        let file = File::create_new(target.file()).map_err(|error| failed(error.to_string()))?;
-        let bag = BagWriter::new(BufWriter::new(file), settings, provenance, worker::now())
-            .map_err(|error| failed(error.to_string()))?;
-        let status = Arc::new(Status::new(target.file()));
+        let making = Making::new(settings, provenance);
+        Self::start(target, making, Beginning::default(), |to, making| {
+            BagWriter::first(to, making, provenance, worker::now())
+        })
+    }
+
+    /// Goes on with the recording in `folder`, whose files must be whole
+    /// ([`recover::in_place`]), in a new file. The attachments stay those of the first.
+    ///
+    /// # Errors
+    /// When `folder` holds no such recording, or cannot be written.
+    pub fn resume(
+        folder: &Path,
+        settings: &scene::Record,
+        provenance: &Provenance,
+    ) -> Result<Self, RecordError> {
+        let Resumed { target, beginning, past } = recover::resumed(folder)?;
+        let making = Making::new(settings, provenance);
+        Self::start(target, making, beginning, |to, making| BagWriter::next(to, making, past))
+    }
+
+    /// Begins the file that `beginning` names with what `begin` writes, and the thread.
+    fn start(
+        target: Target,
+        making: Making,
+        beginning: Beginning,
+        begin: impl FnOnce(BufWriter<File>, &Making) -> Result<BagWriter<BufWriter<File>>, BagError>,
+    ) -> Result<Self, RecordError> {
+        let path = target.file(beginning.number);
+        let failed = |reason: String| RecordError::Create { path: path.clone(), reason };
+        let file = File::create_new(&path).map_err(|error| failed(error.to_string()))?;
+        let bag =
+            begin(BufWriter::new(file), &making).map_err(|error| failed(error.to_string()))?;
+        let wanted = demand(making.settings());
+        let status = Arc::new(Status::new(path.clone()));
         let (queue, items) = sync_channel(QUEUE);
-        let worker = Worker::new(items, Arc::clone(&status), target.clone());
+        let worker = Worker::new(items, Arc::clone(&status), target, making, beginning);
         let thread = thread::Builder::new()
             .name("recorder".into())
             .spawn(move || worker.run(bag))
             .map_err(|error| failed(error.to_string()))?;
-        Ok(Self { queue: Some(Arc::new(queue)), thread: Some(thread), status })
+        Ok(Self { queue: Some(Arc::new(queue)), thread: Some(thread), status, wanted })
+    }
+
+    /// Names who hears, once and at once, that writing has failed; on the recorder's thread. Until
+    /// then nobody does before the end.
+    pub fn tell_failure(&self, listener: impl FnOnce(&RecordError) + Send + 'static) {
+        self.status.tell(Box::new(listener));
     }
 
     /// What went wrong, as soon as it did.
@@ -210,9 +279,9 @@ impl Recorder {
 }
 
 impl Sink for Recorder {
-    /// Everything, until the recording has failed.
+    /// What is recorded, until the recording has failed.
     fn demand(&self) -> Demand {
-        if self.status.failed() { Demand::default() } else { Demand::ALL }
+        if self.status.failed() { Demand::default() } else { self.wanted }
     }
 
     /// Queues the answer; waits when the queue is full.
@@ -237,43 +306,11 @@ impl Drop for Recorder {
     }
 }
 
-/// Where a recording goes.
-#[derive(Clone, Debug)]
-struct Target {
-    folder: PathBuf,
-    file_name: String,
-}
-
-impl Target {
-    /// `folder` with the file in it that rosbag2 would make: `NAME/NAME_0.mcap`.
-    fn new(folder: &Path) -> Self {
-        let name = folder.canonicalize().ok().and_then(|folder| {
-            folder.file_name().and_then(|name| name.to_str()).map(str::to_owned)
-        });
-        let name = name.as_deref().unwrap_or("recording");
-        Self { folder: folder.to_owned(), file_name: format!("{name}_0.mcap") }
-    }
-
-    fn file(&self) -> PathBuf {
-        self.folder.join(&self.file_name)
-    }
-}
-
-/// Makes `folder` unless it is there and empty: what [`Recorder::create`] does first.
-///
-/// # Errors
-/// When `folder` is a file, holds something, or cannot be made.
-pub fn claim(folder: &Path) -> Result<(), RecordError> {
-    let failed = |error: io::Error| RecordError::Create {
-        path: folder.to_owned(),
-        reason: error.to_string(),
-    };
-    if folder.exists() && !folder.is_dir() {
-        return Err(RecordError::NotAFolder(folder.to_owned()));
-    }
-    fs::create_dir_all(folder).map_err(failed)?;
-    if fs::read_dir(folder).map_err(failed)?.next().is_some() {
-        return Err(RecordError::NotEmpty(folder.to_owned()));
-    }
-    Ok(())
+/// What must be measured for the topics that are recorded.
+fn demand(settings: &scene::Record) -> Demand {
+    let mut demand = Demand::ALL;
+    demand.state = settings.takes(&topics::STATE);
+    demand.moduli = settings.takes(&topics::MODULI);
+    demand.contact_network = settings.takes(&topics::CONTACT_NETWORK);
+    demand
 }

@@ -19,6 +19,16 @@ pub struct Demand {
 impl Demand {
     /// Everything.
     pub const ALL: Self = Self { state: true, moduli: true, contact_network: true };
+
+    /// What this or the `other` wants.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            state: self.state || other.state,
+            moduli: self.moduli || other.moduli,
+            contact_network: self.contact_network || other.contact_network,
+        }
+    }
 }
 
 /// What became of one command.

@@ -46,7 +46,7 @@ pub use node::{
 };
 pub use outputs::{Markers, ModuliKind, Outputs, When};
 pub use pack::{Generate, PackSource, Radius};
-pub use record::{Compression, Record};
+pub use record::{Compression, OnFailure, Record, Split, Topics};
 pub use rig_log::{Lateral, RigLog, StrainUnit};
 pub use solver::{MAX_STRAIN_INCREMENT, Method, Solver, TOLERANCE};
 pub use targets::Targets;

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use crate::command::Command;
 use crate::command::circumstance::Happened;
-use crate::msg::{Discrepancy, WrenchStamped};
+use crate::msg::rcl::{Log, ParameterEvent};
+use crate::msg::{DiagnosticArray, Discrepancy, JointState, JointTrajectory, WrenchStamped};
 use crate::report::{Demand, Report};
 
 /// One command with its report; the initial equilibrium has no command.
@@ -35,6 +36,16 @@ pub enum Beside {
     Measured(usize, WrenchStamped),
     /// How an increment compares with that.
     Discrepancy(Discrepancy),
+    /// What the joints of the rig said, as it came; the twin is moved by the command made of it.
+    JointStates(JointState),
+    /// What path the joints of the rig were to take, as it came.
+    JointTrajectory(JointTrajectory),
+    /// How the program fares.
+    Diagnostics(DiagnosticArray),
+    /// What the program logs.
+    Log(Log),
+    /// What parameters were set.
+    ParameterEvent(ParameterEvent),
 }
 
 /// How a recording fares.
@@ -42,9 +53,9 @@ pub enum Beside {
 pub struct RecordingState {
     /// Messages in it.
     pub messages: u64,
-    /// Size of its file on disk.
+    /// Size of its files on disk.
     pub bytes: u64,
-    /// Answers and measurements that are not in it.
+    /// Answers, and messages beside them, that are not in it.
     pub lost: u64,
     /// Bytes that its file system has left, where the system tells.
     pub free: Option<u64>,

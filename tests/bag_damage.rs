@@ -57,7 +57,7 @@ fn sent(answers: &[Arc<Served>]) -> Vec<command::Command> {
 
 /// Several chunks, so that most cuts leave whole ones before them.
 fn small_chunks(compression: Compression) -> Record {
-    Record { chunk: 16 << 10, compression }
+    Record { chunk: 16 << 10, compression, ..Record::default() }
 }
 
 #[test]

@@ -10,6 +10,7 @@ use std::path::Path;
 use graintwin::command::{Ask, Command, Disposition, Mode, Stamp};
 use graintwin::measure::discrepancy;
 use graintwin::msg::convert::{self, CommandMessage, LIVE_CHUNK};
+use graintwin::msg::rcl::{Log, Parameter, ParameterEvent, ParameterValue};
 use graintwin::msg::services::{SavePack, Service, SetBool, Trigger};
 use graintwin::msg::{
     BoundaryCommand, Circumstance, Clock, ContactNetwork, Described, DiagnosticArray,
@@ -63,6 +64,7 @@ fn assert_same_fields<T: Described + DeserializeOwned>() {
         .filter_map(|line| match line {
             // A byte is what Rust calls a u8.
             Line::Field("byte", name) => Some(format!("uint8 {name}")),
+            Line::Field("byte[]", name) => Some(format!("uint8[] {name}")),
             Line::Field(kind, name) => Some(format!("{} {name}", kind.rsplit('/').next()?)),
             Line::Constant(..) => None,
         })
@@ -99,6 +101,10 @@ fn every_struct_has_the_fields_of_its_text() {
     assert_same_fields::<Transform>();
     assert_same_fields::<TransformStamped>();
     assert_same_fields::<TFMessage>();
+    assert_same_fields::<ParameterValue>();
+    assert_same_fields::<Parameter>();
+    assert_same_fields::<ParameterEvent>();
+    assert_same_fields::<Log>();
 }
 
 /// The fields of `T` as a `.srv` text writes them.

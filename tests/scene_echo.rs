@@ -313,8 +313,11 @@ fn service() -> impl Strategy<Value = (Outputs, Node, Record)> {
         moduli,
     });
     let kind = prop::sample::select(vec![Compression::Zstd, Compression::Lz4, Compression::None]);
-    let record = ((1_u64 << 20)..=(1 << 30), kind)
-        .prop_map(|(chunk, compression)| Record { chunk, compression });
+    let record = ((1_u64 << 20)..=(1 << 30), kind).prop_map(|(chunk, compression)| Record {
+        chunk,
+        compression,
+        ..Record::default()
+    });
     (outputs, node(), record)
 }
 

@@ -128,6 +128,12 @@ impl Summary {
         self.refused == 0 && self.lost.is_empty()
     }
 
+    /// Whether nothing was lost.
+    #[cfg(feature = "mcap")]
+    pub(super) fn is_undamaged(&self) -> bool {
+        self.lost.is_empty()
+    }
+
     /// Takes the coordination numbers at the end.
     pub(super) fn histograms(&mut self, histograms: Histograms) {
         self.coordination = histograms;

@@ -5,14 +5,16 @@
 
 use super::cdr::{self, CdrError};
 use super::convert::{self, CommandMessage};
+use super::rcl::{Log, ParameterEvent};
 use super::topics::{self, Topic};
 use super::{
-    BoundaryCommand, Circumstance, ContactNetwork, Described, Discrepancy, Event, JointState,
-    MessageType, Moduli, PackState, Report, TFMessage, WallForces, WallTargets, WrenchStamped,
+    BoundaryCommand, Circumstance, ContactNetwork, Described, DiagnosticArray, Discrepancy, Event,
+    JointState, JointTrajectory, MessageType, Moduli, PackState, Report, TFMessage, WallForces,
+    WallTargets, WrenchStamped,
 };
 use crate::command::Stamp;
 use crate::report::Measures;
-use crate::sink::Served;
+use crate::sink::{Beside, Served};
 
 /// A message that can be put on a topic.
 pub trait Outgoing {
@@ -88,6 +90,20 @@ fn each_measure<E>(
     Ok(())
 }
 
+/// What came or went beside the answers, as a message and its topic.
+#[must_use]
+pub fn beside(beside: &Beside) -> (&'static Topic, &dyn Outgoing) {
+    match beside {
+        Beside::Measured(wall, message) => (&topics::MEASURED_WRENCH[*wall], message),
+        Beside::Discrepancy(message) => (&topics::DISCREPANCY, message),
+        Beside::JointStates(message) => (&topics::JOINT_STATES, message),
+        Beside::JointTrajectory(message) => (&topics::JOINT_TRAJECTORY, message),
+        Beside::Diagnostics(message) => (&topics::DIAGNOSTICS, message),
+        Beside::Log(message) => (&topics::ROSOUT, message),
+        Beside::ParameterEvent(message) => (&topics::PARAMETER_EVENTS, message),
+    }
+}
+
 /// What a message with a stamp at some place needs to be [`Outgoing`].
 macro_rules! outgoing {
     ($($message:ty: $stamp:expr),+ $(,)?) => {$(
@@ -112,7 +128,9 @@ macro_rules! outgoing {
 }
 
 outgoing!(header of BoundaryCommand, WallTargets, Circumstance, Report, WallForces, WrenchStamped,
-    JointState, PackState, Moduli, ContactNetwork, Event, Discrepancy);
+    JointState, JointTrajectory, PackState, Moduli, ContactNetwork, Event, Discrepancy,
+    DiagnosticArray);
+outgoing!(Log: |message| message.stamp.into(), ParameterEvent: |message| message.stamp.into());
 outgoing!(TFMessage: |message| {
     message.transforms.first().map(|first| first.header.stamp.into()).unwrap_or_default()
 });

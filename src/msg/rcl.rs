@@ -1,15 +1,18 @@
 //! What every ROS 2 node says and is asked, package `rcl_interfaces`: parameters and the log. Field
-//! by field as ROS 2 Jazzy defines them; none of it is recorded.
+//! by field as ROS 2 Jazzy defines them.
 
-use ros2_client::Message;
 use serde::{Deserialize, Serialize};
 
 use super::Time;
+#[allow(unused_imports)]
+use super::schema::Described;
+use super::schema::describe;
 
 /// `rcl_interfaces/ParameterValue`: only the field that `kind` names counts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ParameterValue {
     /// `type`: a number of `rcl_interfaces/ParameterType`.
+    #[serde(rename = "type")]
     pub kind: u8,
     /// Type 1.
     pub bool_value: bool,
@@ -200,14 +203,56 @@ pub struct Listed {
     pub result: ListParametersResult,
 }
 
-impl Message for ParameterEvent {}
-impl Message for Log {}
-impl Message for Names {}
-impl Message for Values {}
-impl Message for Types {}
-impl Message for Descriptors {}
-impl Message for SetParameters {}
-impl Message for Results {}
-impl Message for OneResult {}
-impl Message for ListParameters {}
-impl Message for Listed {}
+describe!(
+    ParameterValue,
+    "rcl_interfaces",
+    "uint8 type\nbool bool_value\nint64 integer_value\nfloat64 double_value\nstring string_value\n\
+     byte[] byte_array_value\nbool[] bool_array_value\nint64[] integer_array_value\n\
+     float64[] double_array_value\nstring[] string_array_value\n",
+    &[],
+    "115fc089a387e23c7ecd3525c9189c379109119d6ab82e8dfbde0fdf6a7f9b68"
+);
+describe!(
+    Parameter,
+    "rcl_interfaces",
+    "string name\nParameterValue value\n",
+    &[ParameterValue::TYPE],
+    "ddfe6442cffc462317adb5c92536a7b6dd55858c5c3e1e328165a6b73c2831af"
+);
+describe!(
+    ParameterEvent,
+    "rcl_interfaces",
+    "builtin_interfaces/Time stamp\nstring node\nParameter[] new_parameters\n\
+     Parameter[] changed_parameters\nParameter[] deleted_parameters\n",
+    &[Time::TYPE, Parameter::TYPE],
+    "043e627780fcad87a22d225bc2a037361dba713fca6a6b9f4b869a5aa0393204"
+);
+describe!(
+    Log,
+    "rcl_interfaces",
+    "builtin_interfaces/Time stamp\nuint8 level\nstring name\nstring msg\nstring file\n\
+     string function\nuint32 line\n",
+    &[Time::TYPE],
+    "e28ce254ca8abc06abf92773b74602cdbf116ed34fbaf294fb9f81da9f318eac"
+);
+
+/// What is only asked and answered, never recorded.
+#[cfg(feature = "ros")]
+mod asked {
+    use ros2_client::Message;
+
+    use super::{
+        Descriptors, ListParameters, Listed, Names, OneResult, Results, SetParameters, Types,
+        Values,
+    };
+
+    impl Message for Names {}
+    impl Message for Values {}
+    impl Message for Types {}
+    impl Message for Descriptors {}
+    impl Message for SetParameters {}
+    impl Message for Results {}
+    impl Message for OneResult {}
+    impl Message for ListParameters {}
+    impl Message for Listed {}
+}

@@ -1,5 +1,6 @@
 //! The topics of the node and of its recordings: name, type and quality of service.
 
+use super::rcl::{Log, ParameterEvent};
 use super::schema::{Described, MessageType};
 use super::{
     BoundaryCommand, Circumstance, ContactNetwork, DiagnosticArray, Discrepancy, Event, JointState,
@@ -94,9 +95,11 @@ impl Topic {
 pub static BOUNDARY_COMMAND: Topic = Topic::new("boundary_command", BoundaryCommand::TYPE, 20_000);
 /// In: [`WallTargets`].
 pub static WALL_TARGETS: Topic = Topic::new("wall_targets", WallTargets::TYPE, 20_000);
-/// In, when the scene maps joints: [`JointState`]. Recorded as the [`WallTargets`] it becomes.
+/// In, when the scene maps joints: [`JointState`]. Recorded as it came, and as the [`WallTargets`] it
+/// becomes.
 pub static JOINT_STATES: Topic = Topic::new("joint_states", JointState::TYPE, 256);
-/// In, when the scene maps joints: [`JointTrajectory`]. Recorded as the [`WallTargets`] it becomes.
+/// In, when the scene maps joints: [`JointTrajectory`]. Recorded as it came, and as the
+/// [`WallTargets`] it becomes.
 pub static JOINT_TRAJECTORY: Topic = Topic::new("joint_trajectory", JointTrajectory::TYPE, 64);
 /// Out: [`Report`].
 pub static REPORT: Topic = Topic::new("report", Report::TYPE, 256);
@@ -136,17 +139,34 @@ pub static MEASURED_WRENCH: [Topic; wall::COUNT] = [
 ];
 /// Out: [`Discrepancy`], when load cells are mapped.
 pub static DISCREPANCY: Topic = Topic::new("discrepancy", Discrepancy::TYPE, 64);
-/// Out: [`DiagnosticArray`], once a second. Not recorded: it is about the program.
+/// Out: [`DiagnosticArray`], once a second.
 pub static DIAGNOSTICS: Topic = Topic::new("/diagnostics", DiagnosticArray::TYPE, 10);
 /// Out: [`TFMessage`], kept for whoever comes later: the walls' frames in the pack's.
 pub static TF_STATIC: Topic = Topic::new("/tf_static", TFMessage::TYPE, 1).latched();
 
-/// Every topic that is recorded, commands first.
+/// Out: [`Log`], kept for whoever comes later: warnings and errors.
+pub static ROSOUT: Topic = Topic::new("/rosout", Log::TYPE, 1000).latched();
+/// Out: [`ParameterEvent`].
+pub static PARAMETER_EVENTS: Topic = Topic::new("/parameter_events", ParameterEvent::TYPE, 1000);
+
+/// The topics of what the twin measures.
+pub fn measures() -> impl Iterator<Item = &'static Topic> {
+    [&WALL_FORCES].into_iter().chain(&WALL_WRENCH).chain([
+        &WALL_STATES,
+        &STATE,
+        &MODULI,
+        &CONTACT_NETWORK,
+        &EVENTS,
+        &TF_STATIC,
+    ])
+}
+
+/// Every topic that can be recorded, commands first.
 pub fn all() -> impl Iterator<Item = &'static Topic> {
-    [&BOUNDARY_COMMAND, &WALL_TARGETS, &CIRCUMSTANCE, &REPORT, &WALL_FORCES]
+    [&BOUNDARY_COMMAND, &WALL_TARGETS, &CIRCUMSTANCE, &REPORT]
         .into_iter()
-        .chain(&WALL_WRENCH)
-        .chain([&WALL_STATES, &STATE, &MODULI, &CONTACT_NETWORK, &EVENTS])
+        .chain(measures())
         .chain(&MEASURED_WRENCH)
-        .chain([&DISCREPANCY, &TF_STATIC])
+        .chain([&DISCREPANCY, &JOINT_STATES, &JOINT_TRAJECTORY])
+        .chain([&DIAGNOSTICS, &ROSOUT, &PARAMETER_EVENTS])
 }

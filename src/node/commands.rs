@@ -11,9 +11,11 @@ use tokio::task::AbortHandle;
 
 use super::clock::Clock;
 use super::counters::Counters;
+use super::discrepancy::{Recorder, record};
 use crate::command::request::Intake;
 use crate::command::{Command, Stamp};
 use crate::msg::Described;
+use crate::sink::Beside;
 
 /// Commands that wait for the solver outside of DDS: 9 MB. When they are full, DDS keeps the
 /// topic's depth more; a rig that is further ahead than both is told of a gap.
@@ -76,11 +78,42 @@ pub(super) struct Intakes {
     pub(super) queue: mpsc::Sender<Intake>,
     pub(super) counters: Arc<Counters>,
     pub(super) clock: Clock,
+    pub(super) recorder: Recorder,
 }
 
 impl Intakes {
     /// Takes every message from a topic and hands over what `read` makes of it.
-    pub(super) async fn receive<M, F, I>(self, subscription: Subscription<M>, mut read: F)
+    pub(super) async fn receive<M, F, I>(self, subscription: Subscription<M>, read: F)
+    where
+        M: Message + Described + 'static,
+        F: FnMut(M, &Age<'_>) -> I,
+        I: IntoIterator<Item = Intake>,
+        I::IntoIter: Send,
+    {
+        self.take(subscription, |_| {}, read).await;
+    }
+
+    /// The same, and the messages are recorded as they come. Commands need no such record: theirs is
+    /// written with their report.
+    pub(super) async fn receive_and_record<M, F, I>(
+        self,
+        subscription: Subscription<M>,
+        beside: fn(M) -> Beside,
+        read: F,
+    ) where
+        M: Message + Described + Clone + 'static,
+        F: FnMut(M, &Age<'_>) -> I,
+        I: IntoIterator<Item = Intake>,
+        I::IntoIter: Send,
+    {
+        let recorder = Arc::clone(&self.recorder);
+        let note = move |message: &M| {
+            record(&recorder, || beside(message.clone()));
+        };
+        self.take(subscription, note, read).await;
+    }
+
+    async fn take<M, F, I>(self, subscription: Subscription<M>, note: impl Fn(&M), mut read: F)
     where
         M: Message + Described + 'static,
         F: FnMut(M, &Age<'_>) -> I,
@@ -92,6 +125,7 @@ impl Intakes {
             match sample {
                 Ok((message, info)) => {
                     let arrival = info.received_timestamp().map(|time| time.to_nanos());
+                    note(&message);
                     let intakes = read(message, &|stamp| self.clock.age(stamp, arrival));
                     for intake in intakes {
                         self.counters.commands.fetch_add(1, Ordering::Relaxed);

@@ -17,10 +17,11 @@ use tokio::time::{MissedTickBehavior, interval};
 
 use super::clock::Clock;
 use super::counters::Counters;
-use super::discrepancy::Recorder;
+use super::discrepancy::{Recorder, record};
 use super::endpoints::Endpoints;
 use crate::command::request::Intake;
 use crate::msg::{DiagnosticArray, DiagnosticStatus, Header, KeyValue};
+use crate::sink::Beside;
 
 const PERIOD: Duration = Duration::from_secs(1);
 
@@ -97,8 +98,10 @@ impl Watched {
             ];
             let status = all.into_iter().map(|one| one.message(&self.hardware_id)).collect();
             let header = Header { stamp: self.clock.now().into(), frame_id: String::new() };
+            let message = DiagnosticArray { header, status };
+            record(&self.recorder, || Beside::Diagnostics(message.clone()));
             // What is lost is said in the log, and the next one says it again.
-            self.endpoints.diagnostics.publish(DiagnosticArray { header, status }).await;
+            self.endpoints.diagnostics.publish(message).await;
         }
     }
 

@@ -23,6 +23,14 @@ const LOOK: Duration = Duration::from_millis(50);
 /// A recording that may be there.
 pub(super) type Recorder = Arc<OnceLock<Arc<dyn Recording>>>;
 
+/// Records what a task of the node has to tell, if there is a recording. The disk may keep this task
+/// waiting, and no other.
+pub(super) fn record(recorder: &Recorder, beside: impl FnOnce() -> Beside) {
+    if let Some(recording) = recorder.get() {
+        block_in_place(|| recording.beside(beside()));
+    }
+}
+
 /// Pairs increments with measurements and hands the result on, in order.
 pub(super) struct Comparison {
     pairing: Mutex<Pairing>,

@@ -16,14 +16,14 @@ use tracing_subscriber::layer::Context;
 
 use super::NodeError;
 use super::clock::Clock;
+use super::discrepancy::{self, Recorder};
 use super::names::Identity;
 use crate::msg::rcl::Log;
-
-/// The topic.
-const ROSOUT: &str = "/rosout";
+use crate::msg::topics;
+use crate::sink::Beside;
 
 /// Messages that are kept: for late subscribers, and on the way to the node.
-const DEPTH: usize = 1000;
+const DEPTH: usize = topics::ROSOUT.qos.depth as usize;
 
 /// How long a message is of interest.
 const LIFESPAN: Duration = Duration::from_secs(10);
@@ -100,7 +100,7 @@ pub(super) struct Rosout {
 
 impl Rosout {
     pub(super) fn new(node: &mut Node, identity: &Identity) -> Result<Self, NodeError> {
-        let name = identity.resolve(ROSOUT);
+        let name = identity.resolve(topics::ROSOUT.name);
         let failed = |error: &dyn std::error::Error| NodeError::Endpoint {
             topic: name.clone(),
             reason: error.to_string(),
@@ -117,10 +117,11 @@ impl Rosout {
         Ok(Self { publisher, logger: identity.logger() })
     }
 
-    /// Publishes `records` until there are no more.
-    pub(super) async fn run(self, mut records: Records) {
+    /// Publishes `records`, and records them, until there are no more.
+    pub(super) async fn run(self, mut records: Records, recorder: Recorder) {
         while let Some(mut record) = records.0.recv().await {
             record.name.clone_from(&self.logger);
+            discrepancy::record(&recorder, || Beside::Log(record.clone()));
             // To log that a message of the log is lost would make one more of them.
             self.publisher.async_publish(record).await.ok();
         }

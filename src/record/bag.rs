@@ -1,11 +1,11 @@
-//! One MCAP file as rosbag2 lays it out.
+//! What the twin says as messages in the files of a bag.
+
+mod part;
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-use mcap::records::{MessageHeader, Metadata};
-use mcap::write::NoSeek;
-use mcap::{Attachment, McapError, WriteOptions};
+use mcap::{Attachment, McapError};
 
 use super::{Closing, END, HISTORY, PROGRAM, Provenance, metadata};
 use crate::command::circumstance::Happened;
@@ -14,8 +14,10 @@ use crate::msg::answer::{self, Outgoing};
 use crate::msg::cdr::CdrError;
 use crate::msg::topics::{self, Topic};
 use crate::relax::lanes;
-use crate::scene::{self, Compression};
+use crate::scene;
 use crate::sink::{Beside, Served};
+
+pub(super) use part::{Channel, Contents, Part, Schema, When};
 
 /// Why a bag could not be written on.
 #[derive(Debug, thiserror::Error)]
@@ -41,76 +43,54 @@ impl From<McapError> for BagError {
     }
 }
 
-/// A topic in the file.
-#[derive(Debug)]
-pub(super) struct Channel {
-    pub(super) topic: &'static Topic,
-    pub(super) messages: u64,
-    id: u16,
+/// What every file of a recording is made with.
+#[derive(Clone, Debug)]
+pub(super) struct Making {
+    settings: scene::Record,
+    program: BTreeMap<String, String>,
 }
 
-/// What a bag holds; times in nanoseconds since 1970.
-#[derive(Debug, Default)]
-pub(super) struct Contents {
-    /// Every topic; none before the first message.
-    pub(super) channels: Vec<Channel>,
-    /// `log_time` of the first message.
-    pub(super) first: Option<u64>,
+impl Making {
+    pub(super) fn new(settings: &scene::Record, provenance: &Provenance) -> Self {
+        Self { settings: settings.clone(), program: program(provenance) }
+    }
+
+    pub(super) fn settings(&self) -> &scene::Record {
+        &self.settings
+    }
+}
+
+/// What one file of a recording hands on to the next.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Past {
     /// `log_time` of the last message.
     pub(super) last: Option<u64>,
+    /// The frames of the walls, as bytes and with their time: a file that is looked at alone
+    /// needs them.
+    pub(super) frames: Option<(Vec<u8>, u64)>,
 }
 
-impl Contents {
-    /// Messages on all topics.
-    pub(super) fn messages(&self) -> u64 {
-        self.channels.iter().map(|channel| channel.messages).sum()
-    }
-
-    /// Nanoseconds between the first and the last message.
-    pub(super) fn duration(&self) -> u64 {
-        self.last.unwrap_or(0) - self.first.unwrap_or(0)
-    }
-}
-
-/// Writes answers into one MCAP file.
-///
-/// The chunks are this type's own business, not the MCAP writer's: that one closes a chunk
-/// before the message that no longer fits, and so one without a message when the first message
-/// is larger than a chunk, a file that rosbag2 then refuses to play. Here a chunk is closed after
-/// an answer, and thus always holds one and is never smaller than its largest message.
+/// Writes answers into one file.
 pub(super) struct BagWriter<W: Write> {
-    mcap: mcap::Writer<NoSeek<W>>,
-    contents: Contents,
-    chunk: u64,
-    open: u64,
+    part: Part<W>,
+    /// The topics that are recorded, in the order of the part's channels.
+    topics: Vec<&'static Topic>,
+    past: Past,
+    /// Whether the frames of the file before are still to be repeated.
+    frames_due: bool,
     buffer: Vec<u8>,
     closing: Option<Closing>,
 }
 
 impl<W: Write> BagWriter<W> {
-    /// Begins a bag at `time` with its attachments.
-    pub(super) fn new(
+    /// Begins the first file of a recording at `time`, with its attachments.
+    pub(super) fn first(
         to: W,
-        settings: &scene::Record,
+        making: &Making,
         provenance: &Provenance,
         time: u64,
     ) -> Result<Self, BagError> {
-        let compression = match settings.compression {
-            Compression::Zstd => Some(mcap::Compression::Zstd),
-            Compression::Lz4 => Some(mcap::Compression::Lz4),
-            Compression::None => None,
-        };
-        let mut mcap = WriteOptions::new()
-            .profile("ros2")
-            .library(concat!("graintwin ", env!("CARGO_PKG_VERSION")))
-            .compression(compression)
-            // The processors are the solver's.
-            .compression_threads(0)
-            .chunk_size(None)
-            // Chunks are made in memory and written in one go: a file that stops halfway stops
-            // at the end of a chunk but for the one that was just being written.
-            .disable_seeking(true)
-            .create(NoSeek::new(to))?;
+        let mut part = Part::new(to, &making.settings)?;
         let mut files: Vec<(&str, &str, &[u8])> = vec![
             ("scene.yaml", "application/yaml", provenance.scene.as_bytes()),
             ("pack.csv", "text/csv", &provenance.pack_csv),
@@ -120,7 +100,7 @@ impl<W: Write> BagWriter<W> {
             provenance.pack_history.iter().map(|json| (HISTORY, "application/json", &**json)),
         );
         for (name, media_type, data) in files {
-            mcap.attach(&Attachment {
+            part.attach(&Attachment {
                 log_time: time,
                 create_time: time,
                 name: name.into(),
@@ -128,42 +108,45 @@ impl<W: Write> BagWriter<W> {
                 data: data.into(),
             })?;
         }
-        let metadata = program(provenance);
-        mcap.write_metadata(&Metadata { name: PROGRAM.into(), metadata })?;
-        mcap.flush()?;
-        let contents = Contents::default();
-        Ok(Self {
-            mcap,
-            contents,
-            chunk: settings.chunk,
-            open: 0,
-            buffer: Vec::new(),
-            closing: None,
-        })
+        Self::begin(part, making, Past::default())
+    }
+
+    /// Begins the file that follows upon `past`.
+    pub(super) fn next(to: W, making: &Making, past: Past) -> Result<Self, BagError> {
+        Self::begin(Part::new(to, &making.settings)?, making, past)
+    }
+
+    fn begin(mut part: Part<W>, making: &Making, past: Past) -> Result<Self, BagError> {
+        part.metadata(PROGRAM, making.program.clone())?;
+        part.flush()?;
+        let topics: Vec<_> = topics::all().filter(|topic| making.settings.takes(topic)).collect();
+        for topic in &topics {
+            describe(&mut part, topic);
+        }
+        let frames_due = past.frames.is_some();
+        Ok(Self { part, topics, past, frames_due, buffer: Vec::new(), closing: None })
     }
 
     /// Writes one answer, served at `time`; says whether it is still in an open chunk.
     pub(super) fn answer(&mut self, served: &Served, time: u64) -> Result<bool, BagError> {
-        answer::each(served, &|_| true, &mut |topic, message| self.write(topic, message, time))?;
-        self.close_full_chunk()
+        let topics = self.topics.clone();
+        let wants = |topic: &Topic| topics.contains(&topic);
+        answer::each(served, &wants, &mut |topic, message| self.write(topic, message, time))?;
+        self.part.close_full_chunk()
     }
 
     /// Writes what else bears on the answers, at `time`; says whether it is still in an open chunk.
     pub(super) fn happened(&mut self, happened: &Happened, time: u64) -> Result<bool, BagError> {
         self.write(&topics::CIRCUMSTANCE, &Circumstance::from(happened), time)?;
-        self.close_full_chunk()
+        self.part.close_full_chunk()
     }
 
     /// Writes what came or went beside the answers, at `time`; says whether it is still in an open
     /// chunk.
     pub(super) fn beside(&mut self, beside: &Beside, time: u64) -> Result<bool, BagError> {
-        match beside {
-            Beside::Measured(wall, wrench) => {
-                self.write(&topics::MEASURED_WRENCH[*wall], wrench, time)?;
-            }
-            Beside::Discrepancy(message) => self.write(&topics::DISCREPANCY, message, time)?,
-        }
-        self.close_full_chunk()
+        let (topic, message) = answer::beside(beside);
+        self.write(topic, message, time)?;
+        self.part.close_full_chunk()
     }
 
     /// How the run ended, to be written at the end.
@@ -171,95 +154,101 @@ impl<W: Write> BagWriter<W> {
         self.closing = Some(closing.clone());
     }
 
-    /// Messages so far.
-    pub(super) fn messages(&self) -> u64 {
-        self.contents.messages()
+    /// What it holds so far.
+    pub(super) fn contents(&self) -> &Contents {
+        self.part.contents()
     }
 
+    /// Bytes of messages in the open chunk, before compression.
+    pub(super) fn open(&self) -> u64 {
+        self.part.open()
+    }
+
+    /// Writes a message, unless its topic is not recorded.
     fn write(
         &mut self,
         topic: &'static Topic,
         message: &dyn Outgoing,
         time: u64,
     ) -> Result<(), BagError> {
-        message.encode(&mut self.buffer)?;
-        let log_time = match self.contents.last {
+        let Some(channel) = self.place(topic) else { return Ok(()) };
+        let publish_time = message.stamp().nanoseconds().max(0).unsigned_abs();
+        let mut buffer = std::mem::take(&mut self.buffer);
+        message.encode(&mut buffer)?;
+        if *topic == topics::TF_STATIC {
+            self.past.frames = Some((buffer.clone(), publish_time));
+            self.frames_due = false;
+        }
+        self.repeat_frames(time)?;
+        self.put(channel, publish_time, time, &buffer)?;
+        self.buffer = buffer;
+        Ok(())
+    }
+
+    fn repeat_frames(&mut self, time: u64) -> Result<(), BagError> {
+        if std::mem::take(&mut self.frames_due)
+            && let Some((bytes, publish_time)) = self.past.frames.clone()
+            && let Some(channel) = self.place(&topics::TF_STATIC)
+        {
+            self.put(channel, publish_time, time, &bytes)?;
+        }
+        Ok(())
+    }
+
+    fn put(
+        &mut self,
+        channel: usize,
+        publish_time: u64,
+        time: u64,
+        bytes: &[u8],
+    ) -> Result<(), BagError> {
+        let log_time = match self.past.last {
             Some(last) => time.max(last + 1),
             None => time,
         };
-        if self.contents.channels.is_empty() {
-            self.register()?;
-        }
-        let channel = self
-            .contents
-            .channels
-            .iter_mut()
-            .find(|channel| std::ptr::eq(channel.topic, topic))
-            .expect("every topic is registered");
-        let header = MessageHeader {
-            channel_id: channel.id,
-            // As rosbag2 does; a command's sequence is in the message.
-            sequence: 0,
-            log_time,
-            publish_time: message.stamp().nanoseconds().max(0).unsigned_abs(),
-        };
-        self.mcap.write_to_known_channel(&header, &self.buffer)?;
-        channel.messages += 1;
-        self.contents.first.get_or_insert(log_time);
-        self.contents.last = Some(log_time);
-        self.open += self.buffer.len() as u64;
+        // The sequence as rosbag2 has it; a command's is in the message.
+        self.part.write(channel, When { sequence: 0, log_time, publish_time }, bytes)?;
+        self.past.last = Some(log_time);
         Ok(())
     }
 
-    /// Closes the open chunk when it is full; says whether it is still open. What a file that was
-    /// cut off still holds is thus whole answers.
-    fn close_full_chunk(&mut self) -> Result<bool, BagError> {
-        if self.open >= self.chunk {
-            self.flush()?;
-        }
-        Ok(self.open > 0)
-    }
-
-    /// Registers every topic, in the chunk of the first message.
-    fn register(&mut self) -> Result<(), BagError> {
-        for topic in topics::all() {
-            let schema = self.mcap.add_schema(
-                &topic.kind.full_name(),
-                "ros2msg",
-                topic.kind.definition().as_bytes(),
-            )?;
-            let about = BTreeMap::from([
-                ("offered_qos_profiles".into(), metadata::offered_qos(topic)),
-                ("topic_type_hash".into(), topic.kind.hash.into()),
-            ]);
-            let id = self.mcap.add_channel(schema, &topic.recorded_name(), "cdr", &about)?;
-            self.contents.channels.push(Channel { topic, messages: 0, id });
-        }
-        Ok(())
+    fn place(&self, topic: &'static Topic) -> Option<usize> {
+        self.topics.iter().position(|known| std::ptr::eq(*known, topic))
     }
 
     /// Closes the open chunk, if there is one, and hands everything to the system.
     pub(super) fn flush(&mut self) -> Result<(), BagError> {
-        self.mcap.flush()?;
-        self.open = 0;
-        Ok(())
+        self.part.flush()
     }
 
-    /// Writes rosbag2's own record and the index, and gives back what was written to.
-    pub(super) fn finish(mut self, file_name: &str) -> Result<(W, Contents), BagError> {
-        let text = metadata::body(&self.contents, file_name);
-        let metadata = BTreeMap::from([("serialized_metadata".into(), text)]);
-        self.mcap.write_metadata(&Metadata { name: "rosbag2".into(), metadata })?;
+    /// Writes the index, and gives back what was written to and what goes to the next file.
+    pub(super) fn finish(mut self, file_name: &str) -> Result<(W, Contents, Past), BagError> {
         if let Some(Closing { increment, digest }) = &self.closing {
             let metadata = BTreeMap::from([
                 ("increment".into(), increment.to_string()),
                 ("state".into(), digest.clone()),
             ]);
-            self.mcap.write_metadata(&Metadata { name: END.into(), metadata })?;
+            self.part.metadata(END, metadata)?;
         }
-        self.mcap.finish()?;
-        Ok((self.mcap.into_inner().into_inner(), self.contents))
+        let (to, contents) = self.part.finish(file_name)?;
+        Ok((to, contents, self.past))
     }
+}
+
+fn describe<W: Write>(part: &mut Part<W>, topic: &Topic) {
+    let channel = Channel {
+        topic: topic.recorded_name(),
+        kind: topic.kind.full_name(),
+        encoding: "cdr".into(),
+        about: BTreeMap::from([
+            (metadata::QOS.into(), metadata::offered_qos(topic)),
+            (metadata::HASH.into(), topic.kind.hash.into()),
+        ]),
+        messages: 0,
+    };
+    let (name, definition) = (topic.kind.full_name(), topic.kind.definition());
+    let schema = Schema { name: &name, encoding: "ros2msg", data: definition.as_bytes() };
+    part.channel(channel, Some(&schema));
 }
 
 /// What the recording program was.

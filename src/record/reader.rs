@@ -25,6 +25,7 @@ mod source;
 mod survey;
 mod window;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -54,6 +55,20 @@ pub struct Channel {
     pub encoding: String,
     /// Text of the type's definition.
     pub definition: Arc<str>,
+    /// What else is said of it: in a bag of ROS 2, its quality of service under
+    /// `offered_qos_profiles`.
+    pub about: BTreeMap<String, String>,
+    /// The type as it stands in the file.
+    pub(in crate::record) schema: Option<Arc<Schema>>,
+}
+
+/// A type as it stands in a file.
+#[derive(Debug, PartialEq, Eq)]
+pub(in crate::record) struct Schema {
+    pub(in crate::record) name: String,
+    pub(in crate::record) encoding: String,
+    text: Arc<str>,
+    pub(in crate::record) data: Vec<u8>,
 }
 
 impl Channel {
@@ -75,6 +90,8 @@ impl Channel {
 pub struct Message {
     /// What it came on.
     pub channel: Arc<Channel>,
+    /// Its number among those of its publisher; 0 where nobody counts.
+    pub sequence: u32,
     /// When it was recorded \[ns since 1970\].
     pub log_time: u64,
     /// When it was sent \[ns\].
@@ -103,6 +120,12 @@ impl Bag {
     #[must_use]
     pub fn from_bytes(name: &Path, bytes: impl Into<Arc<[u8]>>) -> Self {
         Self { path: name.to_owned(), parts: vec![Part::from_bytes(name, bytes.into())] }
+    }
+
+    /// The folder or file that it is.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     /// Every message, file by file in the order of the files.
@@ -161,6 +184,11 @@ impl Bag {
     /// last item is an error where the bag is damaged or further out of order.
     pub fn intakes(&self, source: &Source<'_>) -> Result<Intakes, ReadError> {
         Intakes::new(self, source)
+    }
+
+    /// Its files, each with its pieces.
+    pub(in crate::record) fn files(&self) -> impl Iterator<Item = (&Path, Items)> {
+        self.parts.iter().map(|part| (part.path.as_path(), Items::new(vec![part.clone()])))
     }
 
     /// Every piece in the order of the files.

@@ -1,17 +1,22 @@
 //! The recorder's thread.
 
+mod disk;
+mod status;
+
 use std::fs::{self, File};
 use std::io::BufWriter;
-use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::path::Path;
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
-use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
-use super::bag::BagWriter;
-use super::{Closing, FLUSH_AFTER, RecordError, Recorded, Target, metadata};
+use super::bag::{BagWriter, Making, Past};
+use super::target::Target;
+use super::{Closing, FLUSH_AFTER, RecordError, Recorded, metadata};
 use crate::command::circumstance::Happened;
-use crate::sink::{Beside, RecordingState, Served};
+use crate::sink::{Beside, Served};
+
+pub(super) use status::Status;
 
 /// What is on its way to the file, and when it happened, in nanoseconds since 1970.
 #[derive(Debug)]
@@ -26,115 +31,87 @@ pub(super) enum Item {
     Beside(Box<Beside>, u64),
 }
 
+impl Item {
+    fn time(&self) -> Option<u64> {
+        match self {
+            Self::Answer(_, time) | Self::Happened(_, time) | Self::Beside(_, time) => Some(*time),
+            Self::Closing(_) => None,
+        }
+    }
+}
+
 /// Nanoseconds since 1970; 0 when the clock says that it is earlier.
 pub(super) fn now() -> u64 {
     let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     u64::try_from(since.as_nanos()).unwrap_or(u64::MAX)
 }
 
-/// How the recording fares, known to both threads.
-#[derive(Debug)]
-pub(super) struct Status {
-    path: PathBuf,
-    failed: AtomicBool,
-    reason: Mutex<Option<String>>,
-    lost: AtomicU64,
-    messages: AtomicU64,
-    bytes: AtomicU64,
-    /// Bytes left on the file system; the largest number when nobody knows.
-    free: AtomicU64,
-}
-
-impl Status {
-    pub(super) fn new(path: PathBuf) -> Self {
-        Self {
-            path,
-            failed: false.into(),
-            reason: Mutex::new(None),
-            lost: 0.into(),
-            messages: 0.into(),
-            bytes: 0.into(),
-            free: u64::MAX.into(),
-        }
-    }
-
-    /// How the recording fares.
-    pub(super) fn state(&self) -> RecordingState {
-        let free = self.free.load(Ordering::Relaxed);
-        RecordingState {
-            messages: self.messages.load(Ordering::Relaxed),
-            bytes: self.bytes.load(Ordering::Relaxed),
-            lost: self.lost.load(Ordering::Relaxed),
-            free: (free != u64::MAX).then_some(free),
-            failure: self.failure().map(|failure| failure.to_string()),
-        }
-    }
-
-    fn look_at_disk(&self, bytes: u64) {
-        self.bytes.store(bytes, Ordering::Relaxed);
-        let folder = self.path.parent().unwrap_or(Path::new("."));
-        self.free.store(free_bytes(folder).unwrap_or(u64::MAX), Ordering::Relaxed);
-    }
-
-    /// Whether the recording has failed.
-    pub(super) fn failed(&self) -> bool {
-        self.failed.load(Ordering::Acquire)
-    }
-
-    /// Counts answers that are not in the recording.
-    pub(super) fn lose(&self, answers: u64) {
-        self.lost.fetch_add(answers, Ordering::Relaxed);
-    }
-
-    /// Ends the recording; the first reason stands.
-    pub(super) fn fail(&self, reason: String, lost: u64) -> RecordError {
-        self.lose(lost);
-        let reason = self
-            .reason
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .get_or_insert(reason)
-            .clone();
-        self.failed.store(true, Ordering::Release);
-        self.error(reason)
-    }
-
-    /// What went wrong.
-    pub(super) fn failure(&self) -> Option<RecordError> {
-        let reason = self.reason.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        reason.map(|reason| self.error(reason))
-    }
-
-    fn error(&self, reason: String) -> RecordError {
-        let lost = self.lost.load(Ordering::Relaxed);
-        RecordError::Write { path: self.path.clone(), reason, lost }
-    }
-}
-
 type Bag = BagWriter<BufWriter<File>>;
 
-/// What the thread owns besides the bag.
+/// What the thread owns besides the file at hand.
 pub(super) struct Worker {
     items: Receiver<Item>,
     status: Arc<Status>,
     target: Target,
+    making: Making,
+    /// The files that are finished.
+    finished: Vec<metadata::File>,
+    /// Their size.
+    finished_bytes: u64,
+    /// Number of the file at hand.
+    number: u64,
+    /// Its size on disk when that was looked at last.
+    bytes: u64,
     /// Since when there is something in the open chunk.
     waiting: Option<Instant>,
     /// Items that are not on disk for sure.
     pending: u64,
-    /// Items that are.
+    /// Items that are, in the file at hand and in those before.
     safe: u64,
+    safe_before: u64,
+    watch: disk::Watch,
+    begun: Instant,
+}
+
+/// Where a worker begins: which files there are already, and how large they are.
+#[derive(Debug, Default)]
+pub(super) struct Beginning {
+    pub(super) finished: Vec<metadata::File>,
+    pub(super) finished_bytes: u64,
+    pub(super) number: u64,
 }
 
 impl Worker {
-    pub(super) fn new(items: Receiver<Item>, status: Arc<Status>, target: Target) -> Self {
-        Self { items, status, target, waiting: None, pending: 0, safe: 0 }
+    pub(super) fn new(
+        items: Receiver<Item>,
+        status: Arc<Status>,
+        target: Target,
+        making: Making,
+        beginning: Beginning,
+    ) -> Self {
+        let Beginning { finished, finished_bytes, number } = beginning;
+        Self {
+            items,
+            status,
+            target,
+            making,
+            finished,
+            finished_bytes,
+            number,
+            bytes: 0,
+            waiting: None,
+            pending: 0,
+            safe: 0,
+            safe_before: 0,
+            watch: disk::Watch::default(),
+            begun: Instant::now(),
+        }
     }
 
     /// Writes until nobody sends any more, then ends the recording.
     pub(super) fn run(mut self, bag: Bag) -> Result<Recorded, RecordError> {
         self.record(bag).map_err(|reason| {
-            let failure = self.status.fail(reason, self.pending);
+            let failure = self.status.fail(reason, self.lost());
             // The twin must not wait for a recorder that writes no more.
             let unwritten = self.items.iter().count();
             self.status.lose(unwritten as u64);
@@ -142,14 +119,30 @@ impl Worker {
         })
     }
 
+    /// What of all that came is on no disk, by what is still there.
+    fn lost(&self) -> u64 {
+        let gone = |path: &Path, items: u64| if path.exists() { 0 } else { items };
+        self.pending
+            + gone(&self.target.file(self.number), self.safe)
+            + gone(&self.target.folder, self.safe_before)
+    }
+
     fn record(&mut self, mut bag: Bag) -> Result<Recorded, String> {
+        self.look()?;
         loop {
             let item = match self.waiting {
                 None => self.items.recv().map_err(RecvTimeoutError::from),
                 Some(since) => self.items.recv_timeout(FLUSH_AFTER.saturating_sub(since.elapsed())),
             };
             match item {
-                Ok(item) => self.write(&mut bag, &item)?,
+                Ok(item) => {
+                    let counts = u64::from(item.time().is_some());
+                    if item.time().is_some_and(|time| self.is_full(&bag, time)) {
+                        bag = self.next_file(bag).inspect_err(|_| self.pending += counts)?;
+                    }
+                    self.pending += counts;
+                    self.write(&mut bag, &item)?;
+                }
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => break,
             }
@@ -162,7 +155,6 @@ impl Worker {
     }
 
     fn write(&mut self, bag: &mut Bag, item: &Item) -> Result<(), String> {
-        self.pending += u64::from(!matches!(item, Item::Closing(_)));
         let open = match item {
             Item::Answer(served, time) => bag.answer(served, *time),
             Item::Happened(happened, time) => bag.happened(happened, *time),
@@ -172,7 +164,7 @@ impl Worker {
             }
             Item::Beside(beside, time) => bag.beside(beside, *time),
         };
-        self.status.messages.store(bag.messages(), Ordering::Relaxed);
+        self.tell_messages(bag);
         if open.map_err(text)? {
             self.waiting.get_or_insert_with(Instant::now);
             Ok(())
@@ -181,49 +173,90 @@ impl Worker {
         }
     }
 
-    /// Everything is on disk; or was, if the file is gone.
-    fn flushed(&mut self) -> Result<(), String> {
-        self.safe += self.pending;
-        self.pending = 0;
-        self.waiting = None;
-        if let Ok(file) = fs::metadata(self.target.file()) {
-            self.status.look_at_disk(file.len());
-            return Ok(());
-        }
-        self.pending = self.safe;
-        Err("it is no longer there".into())
+    fn tell_messages(&self, bag: &Bag) {
+        let before: u64 = self.finished.iter().map(|file| file.contents.messages()).sum();
+        self.status.holds_messages(before + bag.contents().messages());
     }
 
-    fn finish(&mut self, bag: Bag) -> Result<Recorded, String> {
-        let (to, contents) = bag.finish(&self.target.file_name).map_err(text)?;
+    /// Everything is on disk; or was, if the file is gone.
+    fn flushed(&mut self) -> Result<(), String> {
+        self.safe += std::mem::take(&mut self.pending);
+        self.waiting = None;
+        self.look()
+    }
+
+    /// Looks at the file and at its disk.
+    fn look(&mut self) -> Result<(), String> {
+        let Ok(file) = fs::metadata(self.target.file(self.number)) else {
+            return Err("it is no longer there".into());
+        };
+        self.bytes = file.len();
+        let written = self.finished_bytes + self.bytes;
+        let free = disk::free_bytes(&self.target.folder);
+        self.status.holds_bytes(written, free);
+        let warning = free.and_then(|free| self.watch.look(self.begun.elapsed(), written, free));
+        if let Some(warning) = warning {
+            tracing::warn!("{warning}");
+        }
+        Ok(())
+    }
+
+    /// Whether what happened at `time` belongs into the next file.
+    fn is_full(&self, bag: &Bag, time: u64) -> bool {
+        let split = self.making.settings().split;
+        let contents = bag.contents();
+        let reached = |size: u64| self.bytes + bag.open() >= size;
+        let lasted = |limit: f64| time.saturating_sub(contents.start()) as f64 * 1e-9 >= limit;
+        // Messages on topics that are not recorded fill no file.
+        contents.times.is_some()
+            && (split.size.is_some_and(reached) || split.duration.is_some_and(lasted))
+    }
+
+    /// Finishes the file at hand and begins the next.
+    fn next_file(&mut self, bag: Bag) -> Result<Bag, String> {
+        let past = self.close(bag)?;
+        self.safe_before += std::mem::take(&mut self.safe);
+        self.finished_bytes += std::mem::take(&mut self.bytes);
+        self.number += 1;
+        let path = self.target.file(self.number);
+        self.status.writes(path.clone());
+        let file = File::create_new(&path).map_err(text)?;
+        BagWriter::next(BufWriter::new(file), &self.making, past).map_err(text)
+    }
+
+    /// Finishes the file at hand.
+    fn close(&mut self, bag: Bag) -> Result<Past, String> {
+        let name = self.target.file_name(self.number);
+        let (to, contents, past) = bag.finish(&name).map_err(text)?;
         let file = to.into_inner().map_err(|error| text(error.into_error()))?;
         // Some file systems tell only now that there was no room.
         file.sync_all().map_err(text)?;
-        let bytes = file.metadata().map_err(text)?.len();
         self.flushed()?;
-        let description = self.target.folder.join("metadata.yaml");
-        fs::write(&description, metadata::file(&contents, &self.target.file_name))
+        self.finished.push(metadata::File { name, contents });
+        Ok(past)
+    }
+
+    fn finish(&mut self, bag: Bag) -> Result<Recorded, String> {
+        self.close(bag)?;
+        let last = self.finished.last().map_or(0, |file| file.contents.messages());
+        if self.number > 0 && last == 0 {
+            // It was begun and nothing came: a file without a message stops players.
+            fs::remove_file(self.target.file(self.number)).map_err(text)?;
+            self.finished.pop();
+            self.bytes = 0;
+        }
+        let description = self.target.description();
+        fs::write(&description, metadata::file(&self.finished))
             .map_err(|error| format!("{}: {error}", description.display()))?;
-        let folder = self.target.folder.clone();
-        Ok(Recorded { folder, messages: contents.messages(), bytes })
+        Ok(Recorded {
+            folder: self.target.folder.clone(),
+            files: self.finished.len(),
+            messages: self.finished.iter().map(|file| file.contents.messages()).sum(),
+            bytes: self.finished_bytes + self.bytes,
+        })
     }
 }
 
 fn text(error: impl std::fmt::Display) -> String {
     error.to_string()
-}
-
-/// What the file system of `folder` has left for programs like this one.
-#[cfg(unix)]
-fn free_bytes(folder: &Path) -> Option<u64> {
-    let found = nix::sys::statvfs::statvfs(folder).ok()?;
-    // The width of these numbers differs from system to system.
-    #[allow(clippy::unnecessary_cast, clippy::useless_conversion, reason = "it does not on Linux")]
-    let (blocks, size) = (u64::from(found.blocks_available()), found.fragment_size() as u64);
-    Some(blocks.saturating_mul(size))
-}
-
-#[cfg(not(unix))]
-fn free_bytes(_: &Path) -> Option<u64> {
-    None
 }

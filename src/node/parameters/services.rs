@@ -12,20 +12,16 @@ use tokio::runtime::Runtime;
 use tokio::task::JoinHandle;
 
 use super::{Descriptor, Field, Kind, Parameters, Refusal, Value, find, list};
-use crate::msg::rcl;
+use crate::msg::{rcl, topics};
 use crate::node::clock::Clock;
+use crate::node::discrepancy::{Recorder, record};
 use crate::node::names::Identity;
 use crate::node::{NodeError, mapping};
 use crate::scene;
-
-/// Where changes are told.
-const EVENTS: &str = "/parameter_events";
+use crate::sink::Beside;
 
 /// Requests that may wait, and answers that are kept for a client that lost one.
 const DEPTH: usize = 64;
-
-/// Events that are kept for a subscriber that lost one.
-const EVENTS_DEPTH: usize = 1000;
 
 /// The services, before anything answers.
 pub(in crate::node) struct Services {
@@ -43,6 +39,7 @@ struct Events {
     publisher: Publisher<rcl::ParameterEvent>,
     node: String,
     clock: Clock,
+    recorder: Recorder,
 }
 
 impl Services {
@@ -70,9 +67,10 @@ impl Services {
         self,
         runtime: &Runtime,
         parameters: &Parameters,
+        recorder: &Recorder,
     ) -> Vec<JoinHandle<()>> {
         let Self { get, types, describe, set, set_atomically, list, events } = self;
-        let events = Arc::new(events);
+        let events = Arc::new(Events { recorder: Arc::clone(recorder), ..events });
         let store = || parameters.clone();
         let (getter, setter, atomic) = (store(), store(), store());
         let told = Arc::clone(&events);
@@ -147,18 +145,19 @@ impl Maker<'_> {
 
 impl Events {
     fn new(node: &mut Node, identity: &Identity, clock: &Clock) -> Result<Self, NodeError> {
-        let name = identity.resolve(EVENTS);
+        let name = identity.resolve(topics::PARAMETER_EVENTS.name);
         let failed = |error: &dyn std::error::Error| NodeError::Endpoint {
             topic: name.clone(),
             reason: error.to_string(),
         };
-        let qos =
-            QosProfile::publisher_default().history(History::KeepLast { depth: EVENTS_DEPTH });
+        let depth = topics::PARAMETER_EVENTS.qos.depth as usize;
+        let qos = QosProfile::publisher_default().history(History::KeepLast { depth });
         let parsed = Name::parse(&name).map_err(|error| failed(&error))?;
         let kind = MessageTypeName::new("rcl_interfaces", "ParameterEvent");
         let topic = node.create_topic(&parsed, kind, &qos).map_err(|error| failed(&error))?;
         let publisher = node.create_publisher(&topic, Some(qos)).map_err(|error| failed(&error))?;
-        Ok(Self { publisher, node: identity.full_name(), clock: clock.clone() })
+        let (node, clock) = (identity.full_name(), clock.clone());
+        Ok(Self { publisher, node, clock, recorder: Recorder::default() })
     }
 
     async fn tell(&self, changed_parameters: Vec<rcl::Parameter>) {
@@ -171,8 +170,12 @@ impl Events {
             changed_parameters,
             ..rcl::ParameterEvent::default()
         };
+        record(&self.recorder, || Beside::ParameterEvent(event.clone()));
         if self.publisher.async_publish(event).await.is_err() {
-            tracing::warn!("a subscriber of {EVENTS} does not take what it is sent");
+            tracing::warn!(
+                "a subscriber of {} does not take what it is sent",
+                topics::PARAMETER_EVENTS.name
+            );
         }
     }
 }

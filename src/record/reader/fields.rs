@@ -10,21 +10,26 @@ pub(super) enum Record {
     Schema {
         id: u16,
         name: String,
-        text: String,
+        encoding: String,
+        data: Vec<u8>,
     },
     Channel {
         id: u16,
         schema: u16,
         topic: String,
         encoding: String,
+        about: BTreeMap<String, String>,
     },
     Message {
         channel: u16,
+        sequence: u32,
         log_time: u64,
         publish_time: u64,
         data: Vec<u8>,
     },
     Attachment {
+        log_time: u64,
+        create_time: u64,
         name: String,
         media_type: String,
         data: Vec<u8>,
@@ -64,7 +69,8 @@ impl Record {
     /// Takes an attachment apart, whose bytes stay where they are.
     pub(super) fn attachment(mut body: Vec<u8>) -> Result<Self, String> {
         let mut fields = Fields(&body);
-        let Some((name, media_type, length, sum)) = fields.attachment() else {
+        let Some(((log_time, create_time), name, media_type, length, sum)) = fields.attachment()
+        else {
             return Err("an attachment with impossible lengths or text".into());
         };
         let end = body.len() - 4;
@@ -73,7 +79,7 @@ impl Record {
         }
         body.truncate(end);
         body.drain(..end - length);
-        Ok(Self::Attachment { name, media_type, data: body })
+        Ok(Self::Attachment { log_time, create_time, name, media_type, data: body })
     }
 }
 
@@ -87,46 +93,53 @@ impl<'a> Fields<'a> {
     fn schema(&mut self) -> Option<Record> {
         let id = self.u16()?;
         let name = self.name()?.to_owned();
-        let _encoding = self.name()?;
-        // A schema may be binary; then it is none of ours, and its text does not matter.
+        let encoding = self.name()?.to_owned();
         let length = self.u32()? as usize;
-        let text = String::from_utf8_lossy(self.bytes(length)?).into_owned();
-        Some(Record::Schema { id, name, text })
+        let data = self.bytes(length)?.to_vec();
+        Some(Record::Schema { id, name, encoding, data })
     }
 
     fn channel(&mut self) -> Option<Record> {
         let (id, schema) = (self.u16()?, self.u16()?);
         let topic = self.name()?.to_owned();
         let encoding = self.name()?.to_owned();
-        Some(Record::Channel { id, schema, topic, encoding })
+        let about = self.texts()?;
+        Some(Record::Channel { id, schema, topic, encoding, about })
     }
 
     fn message(&mut self) -> Option<Record> {
         let channel = self.u16()?;
-        let _sequence = self.u32()?;
+        let sequence = self.u32()?;
         let (log_time, publish_time) = (self.u64()?, self.u64()?);
-        Some(Record::Message { channel, log_time, publish_time, data: self.0.to_vec() })
+        let data = self.0.to_vec();
+        Some(Record::Message { channel, sequence, log_time, publish_time, data })
     }
 
     fn metadata(&mut self) -> Option<Record> {
         let name = self.name()?.to_owned();
-        let length = self.u32()? as usize;
-        let mut pairs = Fields(self.bytes(length)?);
-        let mut values = BTreeMap::new();
-        while !pairs.0.is_empty() {
-            values.insert(pairs.text()?.to_owned(), pairs.text()?.to_owned());
-        }
+        let values = self.texts()?;
         Some(Record::Metadata { name, values })
     }
 
-    /// Name, type, size and sum; nothing where the lengths do not fill the record.
-    fn attachment(&mut self) -> Option<(String, String, usize, u32)> {
-        self.bytes(16)?;
+    /// Texts by name.
+    fn texts(&mut self) -> Option<BTreeMap<String, String>> {
+        let length = self.u32()? as usize;
+        let mut pairs = Fields(self.bytes(length)?);
+        let mut texts = BTreeMap::new();
+        while !pairs.0.is_empty() {
+            texts.insert(pairs.text()?.to_owned(), pairs.text()?.to_owned());
+        }
+        Some(texts)
+    }
+
+    /// Times, name, type, size and sum; nothing where the lengths do not fill the record.
+    fn attachment(&mut self) -> Option<((u64, u64), String, String, usize, u32)> {
+        let times = (self.u64()?, self.u64()?);
         let (name, media_type) = (self.name()?.to_owned(), self.name()?.to_owned());
         let length = usize::try_from(self.u64()?).ok()?;
         self.bytes(length)?;
         let sum = self.u32()?;
-        self.0.is_empty().then_some((name, media_type, length, sum))
+        self.0.is_empty().then_some((times, name, media_type, length, sum))
     }
 
     /// Opcode and body of a whole record.

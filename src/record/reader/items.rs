@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::fields::Record;
 use super::part::Part;
 use super::records::{Records, Stop};
-use super::{Channel, Message, ReadError};
+use super::{Channel, Message, ReadError, Schema};
 
 /// A piece of a bag.
 pub(in crate::record) enum Item {
@@ -17,6 +17,8 @@ pub(in crate::record) enum Item {
     Message(Message),
     /// A file that was put in.
     Attachment {
+        /// When it was recorded and made \[ns since 1970\].
+        times: (u64, u64),
         /// Its name.
         name: String,
         /// Its MIME type.
@@ -43,6 +45,12 @@ pub(in crate::record) struct Items {
 impl Items {
     pub(super) fn new(parts: Vec<Part>) -> Self {
         Self { parts: parts.into_iter(), current: None, messages: 0 }
+    }
+
+    /// Gives nothing more.
+    pub(in crate::record) fn end(&mut self) {
+        self.parts = Vec::new().into_iter();
+        self.current = None;
     }
 
     fn fail(&mut self, path: PathBuf, stop: Stop) -> ReadError {
@@ -92,16 +100,17 @@ const DESCRIPTION: usize = 64;
 struct Pieces {
     path: PathBuf,
     records: Records,
-    schemas: HashMap<u16, Schema>,
+    schemas: HashMap<u16, Arc<Schema>>,
     channels: HashMap<u16, Known>,
     /// Taken by them \[bytes\].
     described: usize,
 }
 
-#[derive(Clone, PartialEq, Eq)]
-struct Schema {
-    name: String,
-    text: Arc<str>,
+/// What a file says of a topic.
+struct Described {
+    topic: String,
+    encoding: String,
+    about: BTreeMap<String, String>,
 }
 
 /// A channel with the number of its schema.
@@ -119,23 +128,27 @@ impl Pieces {
     /// The item a record stands for; none when it is only for the reader.
     fn item(&mut self, record: Record) -> Result<Option<Item>, Stop> {
         Ok(match record {
-            Record::Schema { id, name, text } => {
-                self.schema(id, Schema { name, text: text.into() })?;
+            Record::Schema { id, name, encoding, data } => {
+                // One may be binary; then it is none of ours, and its text does not matter.
+                let text = String::from_utf8_lossy(&data).into();
+                self.schema(id, Schema { name, encoding, text, data })?;
                 None
             }
-            Record::Channel { id, schema, topic, encoding } => {
-                self.channel(id, schema, topic, encoding)?.map(Item::Channel)
+            Record::Channel { id, schema, topic, encoding, about } => {
+                let described = Described { topic, encoding, about };
+                self.channel(id, schema, described)?.map(Item::Channel)
             }
-            Record::Message { channel, log_time, publish_time, data } => {
+            Record::Message { channel, sequence, log_time, publish_time, data } => {
                 let Some(known) = self.channels.get(&channel) else {
                     let reason = format!("a message on channel {channel}, which is not described");
                     return Err(self.records.damage(reason));
                 };
                 let channel = Arc::clone(&known.channel);
-                Some(Item::Message(Message { channel, log_time, publish_time, data }))
+                Some(Item::Message(Message { channel, sequence, log_time, publish_time, data }))
             }
-            Record::Attachment { name, media_type, data } => {
-                Some(Item::Attachment { name, media_type, data })
+            Record::Attachment { log_time, create_time, name, media_type, data } => {
+                let times = (log_time, create_time);
+                Some(Item::Attachment { times, name, media_type, data })
             }
             Record::Metadata { name, values } => Some(Item::Metadata { name, values }),
             Record::Other => None,
@@ -146,11 +159,11 @@ impl Pieces {
     fn schema(&mut self, id: u16, schema: Schema) -> Result<(), Stop> {
         let reason = match self.schemas.get(&id) {
             _ if id == 0 => "type 0 is described: it stands for none".into(),
-            Some(known) if *known == schema => return Ok(()),
+            Some(known) if **known == schema => return Ok(()),
             Some(_) => format!("type {id} is described a second time, and otherwise"),
             None => {
-                self.describe(schema.name.len() + schema.text.len())?;
-                self.schemas.insert(id, schema);
+                self.describe(schema.name.len() + schema.text.len() + schema.data.len())?;
+                self.schemas.insert(id, Arc::new(schema));
                 return Ok(());
             }
         };
@@ -162,25 +175,31 @@ impl Pieces {
         &mut self,
         id: u16,
         schema: u16,
-        topic: String,
-        encoding: String,
+        described: Described,
     ) -> Result<Option<Arc<Channel>>, Stop> {
+        let Described { topic, encoding, about } = described;
         if let Some(known) = self.channels.get(&id) {
-            let Channel { topic: old_topic, encoding: old_encoding, .. } = &*known.channel;
-            let same = (known.schema, old_topic, old_encoding) == (schema, &topic, &encoding);
+            let old = &*known.channel;
+            let same = (known.schema, &old.topic, &old.encoding, &old.about)
+                == (schema, &topic, &encoding, &about);
             let reason = format!("channel {id} is described a second time, and otherwise");
             return if same { Ok(None) } else { Err(self.records.damage(reason)) };
         }
-        let (kind, definition) = match self.schemas.get(&schema) {
-            Some(schema) => (schema.name.clone(), Arc::clone(&schema.text)),
-            None if schema == 0 => (String::new(), "".into()),
-            None => {
-                let reason = format!("channel {id} has type {schema}, which is not described");
-                return Err(self.records.damage(reason));
-            }
-        };
-        self.describe(topic.len() + encoding.len())?;
-        let channel = Arc::new(Channel { topic, kind, encoding, definition });
+        let kind = self.schemas.get(&schema).map(Arc::clone);
+        if kind.is_none() && schema != 0 {
+            let reason = format!("channel {id} has type {schema}, which is not described");
+            return Err(self.records.damage(reason));
+        }
+        let told: usize = about.iter().map(|(name, text)| name.len() + text.len()).sum();
+        self.describe(topic.len() + encoding.len() + told)?;
+        let channel = Arc::new(Channel {
+            topic,
+            kind: kind.as_ref().map_or_else(String::new, |kind| kind.name.clone()),
+            encoding,
+            definition: kind.as_ref().map_or_else(|| "".into(), |kind| Arc::clone(&kind.text)),
+            about,
+            schema: kind,
+        });
         self.channels.insert(id, Known { schema, channel: Arc::clone(&channel) });
         Ok(Some(channel))
     }

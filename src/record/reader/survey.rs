@@ -79,7 +79,7 @@ impl Survey {
                     topic.messages += 1;
                 }
             }
-            Item::Attachment { name, media_type, data } => {
+            Item::Attachment { name, media_type, data, .. } => {
                 let bytes = data.len() as u64;
                 self.attachments.push(AttachmentSummary { name, media_type, bytes });
             }
