@@ -12,11 +12,11 @@ use std::process::Command;
 
 use graintwin::msg::{BoundaryCommand, Described, JointState, JointTrajectory, MessageType};
 use graintwin::record::reader::SMALL_FILE_MEMORY;
-use mcap_bytes::{MESSAGE, SCHEMA, channel, chunk, file, schema_of, text};
+use mcap_bytes::{CHANNEL, MESSAGE, SCHEMA, channel, chunk, file, record, schema_of, text};
 use nix::sys::resource::{UsageWho, getrusage};
 
 /// Largest file here \[bytes\].
-const SMALL: usize = 40_000;
+const SMALL: usize = 120_000;
 
 const SCENE: &str = "
 pack: {file: grain.csv, box: {min: [-1.0e-3, -1.0e-3, -1.0e-3], max: [1.0e-3, 1.0e-3, 1.0e-3]}}
@@ -86,6 +86,15 @@ fn hostile() -> Vec<(&'static str, Vec<u8>)> {
     const LARGE: usize = 15 << 20;
     let types: Vec<_> = (1..9).map(|id| packed(&[type_of(id, LARGE)])).collect();
     let topics: Vec<u8> = (1..30_000).flat_map(|id| channel(id, 1, "/t")).collect();
+    // With a word of another word each.
+    let words: Vec<u8> = (1..30_000)
+        .flat_map(|id| {
+            let mut body = [id, 1_u16].map(u16::to_le_bytes).concat();
+            body.extend([text("/t"), text("cdr"), vec![10, 0, 0, 0]].concat());
+            body.extend([text("a"), text("b")].concat());
+            record(CHANNEL, &body)
+        })
+        .collect();
     let of = |kind, numbers: &[u32], zeros| file(&[message_of(kind, numbers, zeros)]);
     let length =
         |opcode: u8, length: u64| file(&[[&[opcode][..], &length.to_le_bytes()[..]].concat()]);
@@ -101,6 +110,7 @@ fn hostile() -> Vec<(&'static str, Vec<u8>)> {
         ("long_session", of(BoundaryCommand::TYPE, &[60 << 20], (60 << 20) + 80)),
         ("large_types", file(&types)),
         ("many_topics", file(&[packed(&[type_of(1, LARGE), (topics, 0, 0)])])),
+        ("many_topics_with_words", file(&[packed(&[type_of(1, LARGE / 4), (words, 0, 0)])])),
         ("long_message", length(5, 512 << 20)),
         ("long_chunk", length(6, 512 << 20)),
         ("long_attachment", length(9, 512 << 20)),
