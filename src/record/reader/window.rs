@@ -96,7 +96,7 @@ mod tests {
         let (topic, kind, encoding, about) = Default::default();
         let definition = "".into();
         let channel = Channel { topic, kind, encoding, definition, about, schema: None };
-        Message { channel: Arc::new(channel), sequence: 0, log_time, publish_time: 0, data }
+        Message { channel: Arc::new(channel), log_time, publish_time: 0, sequence: 0, data }
     }
 
     fn through(messages: impl IntoIterator<Item = Message>) -> Result<Vec<(u64, Vec<u8>)>, u64> {
