@@ -221,11 +221,14 @@ fn two_independent_readers_find_every_field_of_every_message() {
     assert_eq!(
         topics,
         [
+            "/diagnostics",
             "/graintwin/boundary_command",
             "/graintwin/circumstance",
             "/graintwin/contact_network",
             "/graintwin/discrepancy",
             "/graintwin/events",
+            "/graintwin/joint_states",
+            "/graintwin/joint_trajectory",
             "/graintwin/measured_wrench/x_max",
             "/graintwin/measured_wrench/x_min",
             "/graintwin/measured_wrench/y_max",
@@ -244,6 +247,8 @@ fn two_independent_readers_find_every_field_of_every_message() {
             "/graintwin/wall_forces",
             "/graintwin/wall_states",
             "/graintwin/wall_targets",
+            "/parameter_events",
+            "/rosout",
             "/tf_static",
         ]
     );
