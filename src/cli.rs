@@ -7,18 +7,24 @@ mod completions;
 mod failure;
 mod generate;
 mod given;
+mod job;
 mod log;
+mod orders;
 pub(crate) mod output;
+#[cfg(feature = "mcap")]
+mod pace;
 #[cfg(feature = "mcap")]
 mod plot;
 mod progress;
-#[cfg(feature = "mcap")]
+#[cfg_attr(not(feature = "mcap"), path = "cli/without/recording.rs")]
 mod recording;
 #[cfg(feature = "mcap")]
 mod recover;
 #[cfg(feature = "mcap")]
 mod replay;
-#[cfg(feature = "ros")]
+#[cfg_attr(not(feature = "mcap"), path = "cli/without/resume.rs")]
+mod resume;
+#[cfg_attr(not(feature = "ros"), path = "cli/without/ros.rs")]
 mod ros;
 mod run;
 mod serve;

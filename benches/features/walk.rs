@@ -143,18 +143,3 @@ fn solve(variant: &Variant) {
 fn cpu() -> Duration {
     Duration::from(ClockId::CLOCK_PROCESS_CPUTIME_ID.now().expect("a CPU clock"))
 }
-
-/// What one or the other wants.
-trait Or {
-    fn or(self, other: Self) -> Self;
-}
-
-impl Or for Demand {
-    fn or(self, other: Self) -> Self {
-        Self {
-            state: self.state || other.state,
-            moduli: self.moduli || other.moduli,
-            contact_network: self.contact_network || other.contact_network,
-        }
-    }
-}

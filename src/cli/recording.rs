@@ -6,12 +6,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use graintwin::command::circumstance::Happened;
 use graintwin::pack::{self, Pack};
-use graintwin::record::{Closing, HISTORY, Provenance, RecordError, Recorded, Recorder, claim};
+use graintwin::record::{Closing, HISTORY, Provenance, Recorder, claim};
 use graintwin::report::Demand;
 use graintwin::scene::{Loaded, OnFailure};
 use graintwin::sink::{Served, Sink};
+use graintwin::twin::Twin;
 
 use super::Failure;
+use super::summary::Summary;
 
 /// Makes sure that `folder` can take a recording, before the run costs any time.
 pub(super) fn reserve(folder: &Path) -> Result<(), Failure> {
@@ -31,18 +33,26 @@ impl Recording {
         threads: usize,
         stop: &Arc<AtomicBool>,
     ) -> Result<Self, Failure> {
-        let pack = pack::texts(pack, HISTORY)?;
-        let provenance = Provenance {
-            scene: loaded.scene.to_yaml()?,
-            pack_csv: pack.csv.into_bytes(),
-            pack_json: pack.json.into_bytes(),
-            pack_history: pack.history.map(String::into_bytes),
-            threads,
-            seed: loaded.scene.pack.seed(),
-        };
-        let settings = &loaded.scene.record;
-        let recorder = Recorder::create(folder, settings, &provenance).map_err(Failure::input)?;
-        let (on_failure, stop) = (settings.on_failure, Arc::clone(stop));
+        let provenance = provenance(loaded, pack, threads)?;
+        let recorder = Recorder::create(folder, &loaded.scene.record, &provenance);
+        Ok(Self::of(recorder.map_err(Failure::input)?, loaded, stop))
+    }
+
+    /// Goes on behind the whole recording in `folder`.
+    pub(super) fn resume(
+        folder: &Path,
+        loaded: &Loaded,
+        pack: &Pack,
+        threads: usize,
+        stop: &Arc<AtomicBool>,
+    ) -> Result<Self, Failure> {
+        let provenance = provenance(loaded, pack, threads)?;
+        let recorder = Recorder::resume(folder, &loaded.scene.record, &provenance);
+        Ok(Self::of(recorder.map_err(Failure::input)?, loaded, stop))
+    }
+
+    fn of(recorder: Recorder, loaded: &Loaded, stop: &Arc<AtomicBool>) -> Self {
+        let (on_failure, stop) = (loaded.scene.record.on_failure, Arc::clone(stop));
         recorder.tell_failure(move |failure| match on_failure {
             OnFailure::Continue => {
                 tracing::error!("{failure}; the run goes on without recording");
@@ -52,7 +62,7 @@ impl Recording {
                 stop.store(true, Ordering::SeqCst);
             }
         });
-        Ok(Self { recorder })
+        Self { recorder }
     }
 
     /// The recording for the node.
@@ -61,14 +71,25 @@ impl Recording {
         Arc::new(self.recorder.handle())
     }
 
-    /// How the run ended.
-    pub(super) fn close_with(&mut self, closing: Closing) {
-        self.recorder.close_with(closing);
+    /// Ends it with what `twin` came to, and tells the summary.
+    pub(super) fn end(mut self, twin: &Twin, summary: &mut Summary) {
+        let (increment, digest) = (twin.increment(), twin.digest());
+        self.recorder.close_with(Closing { increment, digest });
+        summary.recorded(self.recorder.finish());
     }
+}
 
-    pub(super) fn finish(self) -> Result<Recorded, RecordError> {
-        self.recorder.finish()
-    }
+/// What makes the recording.
+fn provenance(loaded: &Loaded, pack: &Pack, threads: usize) -> Result<Provenance, Failure> {
+    let pack = pack::texts(pack, HISTORY)?;
+    Ok(Provenance {
+        scene: loaded.scene.to_yaml()?,
+        pack_csv: pack.csv.into_bytes(),
+        pack_json: pack.json.into_bytes(),
+        pack_history: pack.history.map(String::into_bytes),
+        threads,
+        seed: loaded.scene.pack.seed(),
+    })
 }
 
 impl Sink for &mut Recording {

@@ -269,8 +269,7 @@ impl Run<'_> {
         }
         self.circumstances(step, said, sinks);
         for served in served {
-            let served = Arc::new(served);
-            sinks.iter_mut().for_each(|sink| sink.served(&served));
+            serve::give(served, sinks);
         }
         Ok(())
     }

@@ -9,13 +9,16 @@ use graintwin::node::args::{RosArgs, Severity};
 use graintwin::node::parameters::{Changes, Parameters, overrides};
 use graintwin::node::rig::{Played, Rig, RigError};
 use graintwin::node::rosout::Records;
-use graintwin::node::{self, Identity, Node, Setup};
-use graintwin::path::Path;
+pub(super) use graintwin::node::Setup;
+use graintwin::node::{self, Identity, Node};
 use graintwin::scene::{Late, Scene};
 use graintwin::sink::Sink;
 use graintwin::twin::Settings;
 
+use super::job::Sender;
+use super::orders::Orders;
 use super::source::Source;
+use super::summary::Summary;
 use super::{Cli, Failure};
 
 /// The node and whoever plays to it.
@@ -57,20 +60,20 @@ pub(super) struct Linked {
 }
 
 impl Link {
-    /// Starts the node that `setup` describes; a rig plays `path` to it when the scene has one or
-    /// when its commands were `given` by name.
+    /// Starts the node that `setup` describes, and the rig inside the program that plays `orders`
+    /// to it when that is the `sender`.
     pub(super) fn start(
         scene: &Scene,
         setup: Setup,
-        path: Path,
-        given: bool,
+        orders: Orders,
+        sender: Sender,
         stop: &Arc<AtomicBool>,
     ) -> Result<Self, Failure> {
         let twin = setup.identity.clone();
         let changes = setup.parameters.as_ref().map(Parameters::changes);
         let node = Node::start(&scene.node, setup, &scene.outputs, stop).map_err(Failure::other)?;
-        let plays = scene.node.virtual_rig || given;
-        if !plays && path.length() > 0 {
+        let plays = sender == Sender::Inside;
+        if !plays && orders.length() > 0 {
             tracing::warn!(
                 "commands come from the topic, not from load_path: node.virtual_rig plays it there"
             );
@@ -78,6 +81,7 @@ impl Link {
         let rig = match plays {
             false => None,
             true => {
+                let path = orders.into_path()?;
                 let count = path.length();
                 let rig = Rig::start(&scene.node, &twin, path, node.end_of_commands(), stop);
                 Some((rig.map_err(Failure::other)?, count))
@@ -86,9 +90,8 @@ impl Link {
         Ok(Self { node, rig, changes })
     }
 
-    /// Starts the node that `setup` describes, without taking commands from anybody.
-    #[cfg(feature = "mcap")]
-    pub(super) fn replaying(
+    /// Starts the node that `setup` describes to show answers; it takes no commands.
+    pub(super) fn showing(
         scene: &Scene,
         setup: Setup,
         stop: &Arc<AtomicBool>,
@@ -121,11 +124,11 @@ impl Link {
         Box::new(FromNode { commands: node.commands(), changes: changes.as_ref() })
     }
 
-    /// Leaves the domain, the node after the rig.
-    pub(super) fn end(self) -> Linked {
+    /// Leaves the domain, the node after the rig, and tells the summary.
+    pub(super) fn end_into(self, summary: &mut Summary) {
         self.node.end_of_commands().declare();
         let rig = self.rig.map(|(rig, _)| rig.join());
-        Linked { node: self.node.stop(), rig }
+        summary.linked(Linked { node: self.node.stop(), rig });
     }
 }
 

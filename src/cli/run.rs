@@ -1,33 +1,15 @@
 //! `graintwin run`
 
-use std::cell::RefCell;
-use std::path::PathBuf;
-#[cfg(feature = "mcap")]
-use std::sync::{Arc, atomic::AtomicBool};
+use std::path::{Path, PathBuf};
 
+use anyhow::anyhow;
 use indicatif::MultiProgress;
 
-use graintwin::command::request::Intake;
-#[cfg(feature = "mcap")]
-use graintwin::pack::Pack;
-use graintwin::path::Path as LoadPath;
-#[cfg(feature = "mcap")]
-use graintwin::record::Closing;
-#[cfg(feature = "mcap")]
-use graintwin::scene::Loaded;
-use graintwin::sink::Sink;
-use graintwin::twin::Twin;
-
-use super::given::{self, Commands, Recorded};
+use super::job::{self, Job, Sender};
 use super::log::ForNode;
-use super::progress::Progress;
-#[cfg(feature = "mcap")]
-use super::recording::{self, Recording};
-#[cfg(feature = "ros")]
-use super::ros::{self, Link};
-use super::source::{Given, Source};
-use super::summary::Summary;
-use super::{Cli, Failure, Outcome, output, serve, specimen, stop};
+use super::orders::Feed;
+use super::resume::Earlier;
+use super::{Cli, Failure, Outcome, given, ros};
 
 /// Makes or loads the pack of a scene and serves commands until they end or Ctrl-C.
 ///
@@ -45,7 +27,9 @@ use super::{Cli, Failure, Outcome, output, serve, specimen, stop};
     # starts a comment.")]
 pub(super) struct Args {
     /// The scene, YAML.
-    scene: PathBuf,
+    #[cfg_attr(feature = "mcap", arg(required_unless_present = "resume"))]
+    #[cfg_attr(not(feature = "mcap"), arg(required = true))]
+    scene: Option<PathBuf>,
 
     /// Takes the commands from this CSV (s, m) or bag instead of the scene's load_path.
     #[arg(long, value_name = "FILE")]
@@ -61,6 +45,13 @@ pub(super) struct Args {
     #[cfg(feature = "mcap")]
     #[arg(long, value_name = "DIR")]
     record: Option<PathBuf>,
+
+    /// Goes on with the recording in this folder, which may have been broken off: it is made
+    /// whole, run again up to its last answer, compared on the way, and continued there with the
+    /// same bits as if nothing had happened. Without SCENE its own scene is taken.
+    #[cfg(feature = "mcap")]
+    #[arg(long, value_name = "BAG", conflicts_with = "record")]
+    resume: Option<PathBuf>,
 
     /// Joins ROS 2 as the node /graintwin.
     #[cfg(feature = "ros")]
@@ -78,134 +69,58 @@ pub(super) fn run(
     bars: &MultiProgress,
     log: ForNode,
 ) -> Result<Outcome, Failure> {
-    let Some(loaded) = cli.scene(&args.scene)? else { return Ok(Outcome::Done) };
-    #[cfg(feature = "ros")]
-    let (loaded, setup) = {
-        let mut loaded = loaded;
-        let setup = ros::setup(args.ros, cli, &mut loaded.scene, log)?;
-        (loaded, setup)
-    };
-    #[cfg(not(feature = "ros"))]
-    let () = log;
-    #[cfg(feature = "mcap")]
-    let read = |file| given::read(file, args.topic.as_deref(), &loaded.scene.node);
-    #[cfg(not(feature = "mcap"))]
-    let read = given::read;
-    let given = args.commands.as_deref().map(read).transpose()?;
-    #[cfg(feature = "mcap")]
-    args.record.as_deref().map(recording::reserve).transpose()?;
-    let specimen = specimen::build(&loaded, cli.threads(), bars)?;
-    let pack = &specimen.pack;
-    #[cfg(feature = "ros")]
-    let plays = given.is_some();
-    let (path, recorded) = match given {
-        Some(Commands::Known(commands)) => (LoadPath::from(commands), None),
-        #[cfg(all(feature = "mcap", feature = "ros"))]
-        Some(Commands::Recorded(recorded)) if setup.is_some() => {
-            (LoadPath::from(given::all(recorded)?), None)
+    let earlier = args.resume().map(Earlier::open).transpose()?;
+    let mut loaded = match (&args.scene, &earlier) {
+        (Some(scene), _) => {
+            let Some(loaded) = cli.scene(scene)? else { return Ok(Outcome::Done) };
+            loaded
         }
-        #[cfg(feature = "mcap")]
-        Some(Commands::Recorded(recorded)) => (LoadPath::from(Vec::new()), Some(recorded)),
-        None => {
-            let path = LoadPath::new(&loaded.scene.load_path, loaded.folder(), &pack.bounds)?;
-            (path, None)
-        }
+        (None, Some(earlier)) => earlier.scene()?,
+        // The parser asks for one of them.
+        (None, None) => return Err(Failure::Input(anyhow!("no scene; allowed: SCENE or --resume"))),
     };
-    let whereabouts = path.whereabouts();
-    let broken = Broken::default();
-    let mut twin = Twin::new(&loaded.scene, pack, cli.threads())?;
-    let mut summary = Summary::new(&loaded, &specimen);
-    let stop = stop::on_signal()?;
-    let length = recorded.as_ref().map_or(path.length(), |recorded| recorded.messages);
-    tracing::info!("{length} commands for {} grains", pack.grains.len());
-    #[cfg(feature = "mcap")]
-    let mut recording = start_recording(args, &loaded, pack, twin.threads(), &stop)?;
+    let setup = ros::setup(args.ros(), cli, &mut loaded.scene, log)?;
+    let given = args.commands.as_deref();
+    let feed = given.map(|file| given::read(file, args.topic(), &loaded.scene.node)).transpose()?;
+    let sender = match feed.is_some() || loaded.scene.node.virtual_rig {
+        true => Sender::Inside,
+        false => Sender::Outside,
+    };
+    let feed = feed.unwrap_or(Feed::Scene);
+    let (record, json) = (args.record(), args.json);
+    job::carry_out(Job { cli, bars, loaded, feed, setup, sender, record, earlier, json })
+}
 
-    #[cfg(feature = "ros")]
-    let (mut link, path) = match setup {
-        Some(setup) => (Some(Link::start(&loaded.scene, setup, path, plays, &stop)?), None),
-        None => (None, Some(path)),
-    };
-    #[cfg(feature = "ros")]
-    if let Some(link) = &mut link {
-        #[cfg(feature = "mcap")]
-        let handle = recording.as_ref().map(Recording::handle);
-        #[cfg(not(feature = "mcap"))]
-        let handle = None;
-        link.diagnose(&loaded.scene, handle);
-    }
-    #[cfg(not(feature = "ros"))]
-    let path = Some(path);
-    let served = {
-        // Who makes the next command must have heard of the last one first.
-        let mut sinks: Vec<Box<dyn Sink + '_>> = vec![Box::new(whereabouts)];
+impl Args {
+    /// Whether a node is asked for.
+    fn ros(&self) -> bool {
         #[cfg(feature = "ros")]
-        let (mut source, length) = match &mut link {
-            Some(link) => {
-                sinks.push(link.sink());
-                let length = link.length();
-                (link.commands(), length)
-            }
-            None => from_file(path, recorded, &broken),
-        };
+        return self.ros;
         #[cfg(not(feature = "ros"))]
-        let (mut source, length) = from_file(path, recorded, &broken);
+        false
+    }
+
+    /// Where to record.
+    fn record(&self) -> Option<&Path> {
         #[cfg(feature = "mcap")]
-        sinks.extend(recording.as_mut().map(|recording| Box::new(recording) as Box<dyn Sink>));
-        sinks.push(Box::new(&mut summary));
-        sinks.push(Box::new(Progress::new(length, bars)));
-        let how = (loaded.scene.outputs, loaded.scene.node.late);
-        serve::serve(&mut twin, how, source.as_mut(), &mut sinks, &stop)
-    };
-    #[cfg(feature = "ros")]
-    if let Some(link) = link {
-        summary.linked(link.end());
+        return self.record.as_deref();
+        #[cfg(not(feature = "mcap"))]
+        None
     }
-    #[cfg(feature = "mcap")]
-    if let Some(mut recording) = recording {
-        recording.close_with(Closing { increment: twin.increment(), digest: twin.digest() });
-        summary.recorded(recording.finish());
-    }
-    served?;
-    if let Some(error) = broken.into_inner() {
-        return Err(error);
-    }
-    summary.histograms(twin.coordination());
-    output::print(&if args.json { summary.json()? } else { summary.table() })?;
-    Ok(if summary.complete() { Outcome::Done } else { Outcome::Incomplete })
-}
 
-/// Why the commands ended before their end.
-type Broken = RefCell<Option<Failure>>;
-
-/// The commands of a path or a bag, and how many there are.
-fn from_file(
-    path: Option<LoadPath>,
-    recorded: Option<Recorded>,
-    broken: &Broken,
-) -> (Box<dyn Source + '_>, Option<usize>) {
-    let keep = |failure: Failure| {
-        broken.replace(Some(failure));
-    };
-    if let Some(Recorded { intakes, messages }) = recorded {
-        let intakes = intakes.map_while(move |intake| intake.map_err(keep).ok());
-        return (Box::new(Given(intakes)), Some(messages));
+    /// The recording to go on with.
+    fn resume(&self) -> Option<&Path> {
+        #[cfg(feature = "mcap")]
+        return self.resume.as_deref();
+        #[cfg(not(feature = "mcap"))]
+        None
     }
-    let length = path.as_ref().map(LoadPath::length);
-    let commands = path.into_iter().flatten().map_while(move |command| {
-        command.map(Intake::from).map_err(Failure::from).map_err(keep).ok()
-    });
-    (Box::new(Given(commands)), length)
-}
 
-#[cfg(feature = "mcap")]
-fn start_recording(
-    args: &Args,
-    loaded: &Loaded,
-    pack: &Pack,
-    threads: usize,
-    stop: &Arc<AtomicBool>,
-) -> Result<Option<Recording>, Failure> {
-    let folder = args.record.as_deref();
-    folder.map(|folder| Recording::start(folder, loaded, pack, threads, stop)).transpose()
+    /// The topic of a bag that is meant.
+    fn topic(&self) -> Option<&str> {
+        #[cfg(feature = "mcap")]
+        return self.topic.as_deref();
+        #[cfg(not(feature = "mcap"))]
+        None
+    }
 }

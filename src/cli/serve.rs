@@ -22,22 +22,31 @@ use super::source::Source;
 /// Most commands that are looked at to be merged.
 const MOST_WAITING: usize = 1024;
 
-/// Relaxes the pack and serves what comes from `source` until it ends or `stop` is set. `late` says
-/// what happens to commands that wait, until the source changes it.
+/// Relaxes the pack: increment 0.
+pub(super) fn start(
+    twin: &mut Twin,
+    outputs: Outputs,
+    sinks: &mut [Box<dyn Sink + '_>],
+) -> Result<(), Failure> {
+    let first = timed(|| twin.start(demand(outputs, sinks)));
+    let failed = first.disposition == Disposition::NotConverged;
+    let why = failed.then(|| first.text.clone());
+    hand_over(None, first, sinks);
+    match why {
+        None => Ok(()),
+        Some(why) => Err(Failure::Other(anyhow!("no equilibrium to start from: {why}"))),
+    }
+}
+
+/// Serves what comes from `source` until it ends or `stop` is set. `late` says what happens to
+/// commands that wait, until the source changes it.
 pub(super) fn serve(
     twin: &mut Twin,
     (outputs, mut late): (Outputs, Late),
     source: &mut dyn Source,
     sinks: &mut [Box<dyn Sink + '_>],
     stop: &AtomicBool,
-) -> Result<(), Failure> {
-    let first = timed(|| twin.start(demand(outputs, sinks)));
-    let failed = first.disposition == Disposition::NotConverged;
-    let why = failed.then(|| first.text.clone());
-    hand_over(None, first, sinks);
-    if let Some(why) = why {
-        return Err(Failure::Other(anyhow!("no equilibrium to start from: {why}")));
-    }
+) {
     let mut waiting = VecDeque::new();
     while let Some(intake) = waiting.pop_front().or_else(|| source.next()) {
         if stop.load(Ordering::SeqCst) {
@@ -71,7 +80,6 @@ pub(super) fn serve(
             asked.answer(Err("the twin is stopping".into()));
         }
     }
-    Ok(())
 }
 
 fn serve_one(
@@ -198,11 +206,18 @@ fn tell(twin: &Twin, what: Circumstance, sinks: &mut [Box<dyn Sink + '_>]) {
 }
 
 fn hand_over(command: Option<Command>, report: Report, sinks: &mut [Box<dyn Sink + '_>]) {
-    let served = Arc::new(Served { command, report });
+    give(Served { command, report }, sinks);
+}
+
+/// Hands an answer to every sink.
+pub(super) fn give(served: Served, sinks: &mut [Box<dyn Sink + '_>]) {
+    let served = Arc::new(served);
     for sink in sinks {
         sink.served(&served);
     }
 }
 
+#[cfg(all(test, feature = "mcap"))]
+mod replayed;
 #[cfg(test)]
 mod tests;

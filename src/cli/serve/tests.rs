@@ -73,7 +73,9 @@ fn served(
     let mut sinks: Vec<Box<dyn Sink>> = vec![Box::new(Kept(&kept))];
     let how = (Outputs::default(), late);
     let mut source = Came(came.into_iter().collect());
-    serve(&mut twin(), how, &mut source, &mut sinks, &AtomicBool::new(stop)).unwrap();
+    let mut twin = twin();
+    start(&mut twin, how.0, &mut sinks).unwrap();
+    serve(&mut twin, how, &mut source, &mut sinks, &AtomicBool::new(stop));
     drop(sinks);
     let kept = kept.into_inner().unwrap();
     let told = |one: &Arc<Served>| {
