@@ -70,9 +70,7 @@ pub(super) fn carry_out(job: Job<'_>) -> Result<Outcome, Failure> {
         earlier.catch_up(&loaded, &mut twin, expected.as_mut(), &mut sinks)?;
     }
     let mut recording = match (record, &earlier) {
-        (Some(folder), _) => {
-            Some(Recording::start(folder, &loaded, pack, twin.threads(), &stop)?)
-        }
+        (Some(folder), _) => Some(Recording::start(folder, &loaded, pack, twin.threads(), &stop)?),
         (None, Some(earlier)) => Some(earlier.go_on(&loaded, pack, twin.threads(), &stop)?),
         (None, None) => None,
     };

@@ -139,10 +139,12 @@ impl Earlier {
 
 /// Whether two commands ask for the same, to the bit, NaN included.
 fn same(one: &Command, other: &Command) -> bool {
-    let bits = |command: &Command| command.ask.targets().map(|target| {
-        let (kind, value) = target.numbers();
-        (kind, value.to_bits())
-    });
+    let bits = |command: &Command| {
+        command.ask.targets().map(|target| {
+            let (kind, value) = target.numbers();
+            (kind, value.to_bits())
+        })
+    };
     let rest = |command: &Command| {
         (command.stamp, command.session.clone(), command.sequence, u8::from(command.mode))
     };

@@ -5,11 +5,11 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use graintwin::command::request::Intake;
+pub(super) use graintwin::node::Setup;
 use graintwin::node::args::{RosArgs, Severity};
 use graintwin::node::parameters::{Changes, Parameters, overrides};
 use graintwin::node::rig::{Played, Rig, RigError};
 use graintwin::node::rosout::Records;
-pub(super) use graintwin::node::Setup;
 use graintwin::node::{self, Identity, Node};
 use graintwin::scene::{Late, Scene};
 use graintwin::sink::Sink;

@@ -77,7 +77,9 @@ pub(super) fn run(
         }
         (None, Some(earlier)) => earlier.scene()?,
         // The parser asks for one of them.
-        (None, None) => return Err(Failure::Input(anyhow!("no scene; allowed: SCENE or --resume"))),
+        (None, None) => {
+            return Err(Failure::Input(anyhow!("no scene; allowed: SCENE or --resume")));
+        }
     };
     let setup = ros::setup(args.ros(), cli, &mut loaded.scene, log)?;
     let given = args.commands.as_deref();
