@@ -1,6 +1,8 @@
 //! What `run` does once it is known with what; `replay` does it with the recordings of others.
 
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use indicatif::MultiProgress;
 
@@ -15,12 +17,14 @@ use super::resume::Earlier;
 use super::ros::{Link, Setup};
 use super::specimen::{self, Specimen};
 use super::summary::Summary;
-use super::{Cli, Failure, Outcome, output, recording, serve, stop};
+use super::{Cli, Failure, Outcome, output, recording, serve};
 
 /// Everything that a run needs.
 pub(super) struct Job<'a> {
     pub(super) cli: &'a Cli,
     pub(super) bars: &'a MultiProgress,
+    /// Raised by the first signal.
+    pub(super) stop: Arc<AtomicBool>,
     pub(super) loaded: Loaded,
     pub(super) feed: Feed,
     /// The node, when there is to be one.
@@ -48,7 +52,7 @@ pub(super) enum Sender {
 
 /// Does it, and says what came of it.
 pub(super) fn carry_out(job: Job<'_>) -> Result<Outcome, Failure> {
-    let Job { cli, bars, loaded, feed, setup, sender, record, earlier, json } = job;
+    let Job { cli, bars, stop, loaded, feed, setup, sender, record, earlier, json } = job;
     record.map(recording::reserve).transpose()?;
     let specimen = match &earlier {
         Some(earlier) => Specimen { pack: earlier.pack(&loaded)?, prepared: Vec::new() },
@@ -59,7 +63,6 @@ pub(super) fn carry_out(job: Job<'_>) -> Result<Outcome, Failure> {
     let whereabouts = orders.whereabouts();
     let mut twin = Twin::new(&loaded.scene, pack, cli.threads())?;
     let mut summary = Summary::new(&loaded, &specimen);
-    let stop = stop::on_signal()?;
     tracing::info!("{} commands for {} grains", orders.length(), pack.grains.len());
     if let Some(earlier) = &earlier {
         let progress = Progress::new(None, bars);

@@ -18,6 +18,7 @@ pub(super) enum Feed {
     /// A list.
     Known(Vec<Command>),
     /// A recording, which may be too large for memory.
+    #[cfg_attr(not(feature = "mcap"), expect(dead_code, reason = "nothing reads recordings"))]
     Recorded(Recorded),
 }
 

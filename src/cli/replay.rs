@@ -1,6 +1,5 @@
 //! `graintwin replay`
 
-mod pace;
 mod verdict;
 
 use std::path::PathBuf;
@@ -9,24 +8,25 @@ use std::time::Instant;
 
 use indicatif::MultiProgress;
 
+use graintwin::command::Stamp;
 use graintwin::command::circumstance::Happened;
-use graintwin::record::reader::Bag;
-use graintwin::record::replay::{Compared, Difference, Replay, Step};
-use graintwin::record::{Closing, replay};
+use graintwin::record::reader::{Bag, Source};
+use graintwin::record::replay::{Compared, Difference, Replay, ReplayError, Step, Tape};
 use graintwin::relax::lanes;
-use graintwin::scene::{self, Loaded};
+use graintwin::scene::{self, Loaded, Outputs};
 use graintwin::sink::Sink;
 use graintwin::twin::Twin;
 
+use super::job::{self, Job, Sender};
 use super::log::ForNode;
+use super::orders::Feed;
+use super::pace::{Pace, Rate};
 use super::progress::Progress;
 use super::recording::{self, Recording};
-#[cfg(feature = "ros")]
-use super::ros::{self, Link};
+use super::ros::Link;
 use super::specimen::Specimen;
 use super::summary::Summary;
-use super::{Cli, Failure, Outcome, output, serve, stop};
-use pace::{Pace, Rate};
+use super::{Cli, Failure, Outcome, given, output, ros, serve, stop};
 use verdict::Verdict;
 
 /// Makes a recorded run again from the recording alone, or shows it live.
@@ -38,11 +38,15 @@ use verdict::Verdict;
 ///
 /// With --ros the answers go out on the topics of the node /graintwin, at the pace of the
 /// recording unless --rate says otherwise; commands on its topics are not taken meanwhile.
+///
+/// A bag of another program, as a rig's joint states from ros2 bag record, needs a --scene that says
+/// what the specimen is and maps its joints to walls; its commands are then served.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = "Examples:\n  \
     graintwin replay bags/rig_log --verify\n  \
     graintwin replay bags/rig_log --ros --rate 10\n  \
-    graintwin replay bags/rig_log --record bags/again")]
+    graintwin replay bags/rig_log --record bags/again\n  \
+    graintwin replay rig_bag --scene SCENE.yaml --topic /rig/joint_states --ros")]
 pub(super) struct Args {
     /// A bag: its folder, or .mcap.
     bag: PathBuf,
@@ -51,9 +55,13 @@ pub(super) struct Args {
     #[arg(long)]
     verify: bool,
 
-    /// Takes this scene instead of the one in the bag.
+    /// Takes this scene instead of the one in the bag; a bag of another program needs one.
     #[arg(long, value_name = "SCENE")]
     scene: Option<PathBuf>,
+
+    /// Serves the commands or joints on this topic of the bag to the specimen of --scene.
+    #[arg(long, value_name = "NAME", requires = "scene", conflicts_with = "verify")]
+    topic: Option<String>,
 
     /// Pace as a multiple of the recorded one, or `full` [default: 1 with --ros, else full].
     #[arg(long, value_name = "R")]
@@ -73,38 +81,63 @@ pub(super) struct Args {
     json: bool,
 }
 
-impl Args {
-    /// Whether somebody looks on over the network.
-    fn is_live(&self, cli: &Cli) -> bool {
-        #[cfg(feature = "ros")]
-        return self.ros || cli.ros_args.is_some();
-        #[cfg(not(feature = "ros"))]
-        {
-            let _ = cli;
-            false
-        }
-    }
-
-    /// The pace that was asked for, or the one that suits.
-    fn rate(&self, cli: &Cli) -> Rate {
-        self.rate.unwrap_or(if self.is_live(cli) { Rate::RECORDED } else { Rate::Full })
-    }
-}
-
 pub(super) fn run(
     args: &Args,
     cli: &Cli,
     bars: &MultiProgress,
     log: ForNode,
 ) -> Result<Outcome, Failure> {
+    let scene = args.scene.as_deref().map(scene::load).transpose()?;
     let bag = Bag::open(&args.bag).map_err(Failure::input)?;
-    let own = args.scene.as_deref().map(scene::load).transpose()?;
-    let replay = Replay::open(&bag, own.map(|loaded| loaded.scene)).map_err(Failure::input)?;
+    if let Some(scene) = scene.as_ref().filter(|_| args.topic.is_some()) {
+        return others(args, scene.clone(), cli, bars, log);
+    }
+    match Replay::open(&bag, scene.as_ref().map(|loaded| loaded.scene.clone())) {
+        Ok(replay) => own(args, &replay, cli, bars, log),
+        Err(ReplayError::Foreign { .. }) if !args.verify && scene.is_some() => {
+            // Just seen to be there.
+            let Some(scene) = scene else { return Ok(Outcome::Done) };
+            others(args, scene, cli, bars, log)
+        }
+        Err(error) => Err(Failure::input(error)),
+    }
+}
+
+/// Serves the commands of a bag of another program.
+fn others(
+    args: &Args,
+    mut loaded: Loaded,
+    cli: &Cli,
+    bars: &MultiProgress,
+    log: ForNode,
+) -> Result<Outcome, Failure> {
+    if cli.print_config {
+        output::print(&loaded.scene.to_yaml()?)?;
+        return Ok(Outcome::Done);
+    }
+    let setup = ros::setup(args.ros(), cli, &mut loaded.scene, log)?;
+    let stop = stop::on_signal()?;
+    let pace = Pace::new(args.rate(setup.is_some()), Arc::clone(&stop));
+    let source = Source::new(&loaded.scene.node, args.topic.as_deref());
+    let feed = Feed::Recorded(given::recorded(&args.bag, &source, Some(pace))?);
+    let (record, json) = (args.record.as_deref(), args.json);
+    let (sender, earlier) = (Sender::Nobody, None);
+    job::carry_out(Job { cli, bars, stop, loaded, feed, setup, sender, record, earlier, json })
+}
+
+/// Makes a recording of this program again.
+fn own(
+    args: &Args,
+    replay: &Replay<'_>,
+    cli: &Cli,
+    bars: &MultiProgress,
+    log: ForNode,
+) -> Result<Outcome, Failure> {
     if cli.print_config {
         output::print(&replay.scene.to_yaml()?)?;
         return Ok(Outcome::Done);
     }
-    let program = Program::of(&replay);
+    let program = Program::of(replay);
     program.tell();
     args.record.as_deref().map(recording::reserve).transpose()?;
     let loaded = Loaded { scene: replay.scene.clone(), file: args.bag.clone() };
@@ -112,102 +145,63 @@ pub(super) fn run(
     let mut twin = Twin::new(&replay.scene, &replay.pack, cli.threads())?;
     let mut summary = Summary::new(&loaded, &specimen);
     let stop = stop::on_signal()?;
-    #[cfg(feature = "ros")]
-    let mut link = {
-        let mut scene = loaded.scene.clone();
-        scene.node.virtual_rig = false;
-        let setup = ros::setup(args.ros, cli, &mut scene, log)?;
-        let started = setup.map(|setup| Link::replaying(&scene, setup, &stop)).transpose()?;
-        started
-    };
-    #[cfg(not(feature = "ros"))]
-    let () = log;
-    let mut recording = match &args.record {
-        None => None,
-        Some(folder) => {
-            Some(Recording::start(folder, &loaded, &specimen.pack, twin.threads(), &stop)?)
-        }
-    };
-    #[cfg(feature = "ros")]
+    let mut of_node = loaded.scene.clone();
+    let setup = ros::setup(args.ros(), cli, &mut of_node, log)?;
+    let pace = Pace::new(args.rate(setup.is_some()), Arc::clone(&stop));
+    let mut link = setup.map(|setup| Link::showing(&of_node, setup, &stop)).transpose()?;
+    let recording = args
+        .record
+        .as_deref()
+        .map(|folder| Recording::start(folder, &loaded, &specimen.pack, twin.threads(), &stop));
+    let mut recording = recording.transpose()?;
     if let Some(link) = &mut link {
         link.diagnose(&loaded.scene, recording.as_ref().map(Recording::handle));
     }
-
-    let mut run = Run {
-        twin: &mut twin,
-        pace: Pace::new(args.rate(cli), Arc::clone(&stop)),
-        outputs: loaded.scene.outputs,
-        compared: args.verify.then(Compared::default),
-    };
+    let compared = args.verify.then(Compared::default);
+    let mut run = Run { twin: &mut twin, pace, outputs: loaded.scene.outputs, compared };
     let mut tape = replay.tape();
-    let mut error = None;
-    let mut difference = None;
-    {
+    let ended = {
         let mut sinks: Vec<Box<dyn Sink + '_>> = Vec::new();
-        #[cfg(feature = "ros")]
         sinks.extend(link.as_ref().map(Link::sink));
         sinks.extend(recording.as_mut().map(|recording| Box::new(recording) as Box<dyn Sink>));
         sinks.push(Box::new(&mut summary));
         sinks.push(Box::new(Progress::new(None, bars)));
-        for step in &mut tape {
-            let step = match step {
-                Ok(step) => step,
-                Err(found) => {
-                    error = Some(found);
-                    break;
-                }
-            };
-            if !run.pace.wait(step.time) {
-                break;
-            }
-            difference = run.step(&step, &mut sinks).err();
-            if difference.is_some() {
-                break;
-            }
-        }
-    }
-    let closing = tape.closing().filter(|_| difference.is_none() && !run.pace.is_stopped());
-    if let (Some(compared), Some(closing)) = (&mut run.compared, closing) {
-        difference = compared.closing(closing, &run.twin.digest()).err();
-    }
-    let compared = run.compared.take();
-    let stopped = run.pace.is_stopped();
-    #[cfg(feature = "ros")]
-    if let Some(link) = link {
-        summary.linked(link.end());
-    }
-    if let Some(mut recording) = recording {
-        recording.close_with(Closing { increment: twin.increment(), digest: twin.digest() });
-        summary.recorded(recording.finish());
-    }
-    let whole = match &error {
-        Some(replay::ReplayError::Read(damage)) => {
-            tracing::error!("{damage}; `graintwin recover` makes it whole");
-            false
-        }
-        Some(_) => false,
-        None if tape.is_cut_off() => {
-            tracing::error!("the recording ends in the middle of an answer, which is left out");
-            false
-        }
-        None => !stopped,
+        run.play(&mut tape, &mut sinks)
     };
-    if let Some(error) = error
-        && !matches!(error, replay::ReplayError::Read(_))
-    {
-        return Err(Failure::input(error));
+    let compared = run.compared.take();
+    if let Some(link) = link {
+        link.end_into(&mut summary);
     }
-    match compared {
-        Some(compared) => {
-            let verdict = Verdict::new(compared, difference, whole, &program, twin.threads());
-            output::print(&if args.json { verdict.json()? } else { verdict.text() })?;
-            verdict.outcome()
-        }
-        None => {
-            summary.histograms(twin.coordination());
-            output::print(&if args.json { summary.json()? } else { summary.table() })?;
-            Ok(if whole && summary.is_undamaged() { Outcome::Done } else { Outcome::Incomplete })
-        }
+    if let Some(recording) = recording {
+        recording.end(&twin, &mut summary);
+    }
+    let (whole, difference) = match ended? {
+        Ended::Whole => (true, None),
+        Ended::Early => (false, None),
+        Ended::Different(difference) => (true, Some(difference)),
+    };
+    if let Some(compared) = compared {
+        let verdict = Verdict::new(compared, difference, whole, &program, twin.threads());
+        output::print(&if args.json { verdict.json()? } else { verdict.text() })?;
+        return verdict.outcome();
+    }
+    summary.histograms(twin.coordination());
+    output::print(&if args.json { summary.json()? } else { summary.table() })?;
+    Ok(if whole && summary.is_undamaged() { Outcome::Done } else { Outcome::Incomplete })
+}
+
+impl Args {
+    /// Whether a node is asked for.
+    fn ros(&self) -> bool {
+        #[cfg(feature = "ros")]
+        return self.ros;
+        #[cfg(not(feature = "ros"))]
+        false
+    }
+
+    /// The pace that was asked for, or the one that suits people who look on live or do not.
+    fn rate(&self, live: bool) -> Rate {
+        self.rate.unwrap_or(if live { Rate::RECORDED } else { Rate::Full })
     }
 }
 
@@ -246,11 +240,54 @@ impl Program {
 struct Run<'a> {
     twin: &'a mut Twin,
     pace: Pace,
-    outputs: scene::Outputs,
+    outputs: Outputs,
     compared: Option<Compared>,
 }
 
+/// How a replay ended.
+enum Ended {
+    /// With the recording.
+    Whole,
+    /// Before: the recording is damaged or cut off, or somebody asked to stop.
+    Early,
+    /// At the first difference.
+    Different(Difference),
+}
+
 impl Run<'_> {
+    fn play(
+        &mut self,
+        tape: &mut Tape,
+        sinks: &mut [Box<dyn Sink + '_>],
+    ) -> Result<Ended, Failure> {
+        for step in &mut *tape {
+            let step = match step {
+                Ok(step) => step,
+                Err(ReplayError::Read(damage)) => {
+                    tracing::error!("{damage}; `graintwin recover` makes of it a whole one");
+                    return Ok(Ended::Early);
+                }
+                Err(error) => return Err(Failure::input(error)),
+            };
+            if !self.pace.wait(step.time) {
+                return Ok(Ended::Early);
+            }
+            if let Err(difference) = self.step(&step, sinks) {
+                return Ok(Ended::Different(difference));
+            }
+        }
+        if tape.is_cut_off() {
+            tracing::error!("the recording ends in the middle of an answer, which is left out");
+            return Ok(Ended::Early);
+        }
+        if let (Some(compared), Some(closing)) = (&mut self.compared, tape.closing())
+            && let Err(difference) = compared.closing(closing, &self.twin.digest())
+        {
+            return Ok(Ended::Different(difference));
+        }
+        Ok(Ended::Whole)
+    }
+
     /// Makes one step again, compares it when that was asked for, and hands it over.
     fn step(&mut self, step: &Step, sinks: &mut [Box<dyn Sink + '_>]) -> Result<(), Difference> {
         let live = serve::demand(self.outputs, sinks);
@@ -267,24 +304,15 @@ impl Run<'_> {
             compared.request(step, said.as_ref())?;
             compared.answers(step, &mut served)?;
         }
-        self.circumstances(step, said, sinks);
+        let stamp = Stamp::default();
+        let stamp = stamp.later(i64::try_from(step.time).unwrap_or(0)).unwrap_or(stamp);
+        for what in step.circumstances(said) {
+            let happened = Happened { increment: self.twin.increment(), stamp, what };
+            sinks.iter_mut().for_each(|sink| sink.happened(&happened));
+        }
         for served in served {
             serve::give(served, sinks);
         }
         Ok(())
-    }
-
-    fn circumstances(
-        &self,
-        step: &Step,
-        said: Option<Result<String, String>>,
-        sinks: &mut [Box<dyn Sink + '_>],
-    ) {
-        for what in step.circumstances(said) {
-            let stamp = graintwin::command::Stamp::default();
-            let stamp = stamp.later(i64::try_from(step.time).unwrap_or(0)).unwrap_or(stamp);
-            let happened = Happened { increment: self.twin.increment(), stamp, what };
-            sinks.iter_mut().for_each(|sink| sink.happened(&happened));
-        }
     }
 }

@@ -10,7 +10,7 @@ use graintwin::command::Command;
 use graintwin::command::request::Intake;
 use graintwin::pack::Pack;
 use graintwin::record::reader::Bag;
-use graintwin::record::recover;
+use graintwin::record::recover::{self, Recovered};
 use graintwin::record::replay::{Act, Compared, Replay, Step};
 use graintwin::scene::{Loaded, Node, Scene};
 use graintwin::sink::Sink;
@@ -29,8 +29,14 @@ pub(super) struct Earlier {
 impl Earlier {
     /// The recording in `folder`, made whole there when it was broken off.
     pub(super) fn open(folder: &Path) -> Result<Self, Failure> {
-        if let Some(recovered) = recover::in_place(folder).map_err(Failure::input)? {
-            tracing::warn!("{recovered}");
+        let recovered = recover::in_place(folder).map_err(Failure::input)?;
+        if recovered.rewritten > 0 {
+            let Recovered { kept, dropped, .. } = recovered;
+            tracing::warn!(
+                "{}: was broken off; made whole with {kept} messages, {dropped} of an answer that \
+                 was cut off are left out",
+                folder.display()
+            );
         }
         let bag = Bag::open(folder).map_err(Failure::input)?;
         Ok(Self { bag, folder: folder.to_owned() })

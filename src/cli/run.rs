@@ -9,7 +9,7 @@ use super::job::{self, Job, Sender};
 use super::log::ForNode;
 use super::orders::Feed;
 use super::resume::Earlier;
-use super::{Cli, Failure, Outcome, given, ros};
+use super::{Cli, Failure, Outcome, given, ros, stop};
 
 /// Makes or loads the pack of a scene and serves commands until they end or Ctrl-C.
 ///
@@ -90,7 +90,8 @@ pub(super) fn run(
     };
     let feed = feed.unwrap_or(Feed::Scene);
     let (record, json) = (args.record(), args.json);
-    job::carry_out(Job { cli, bars, loaded, feed, setup, sender, record, earlier, json })
+    let stop = stop::on_signal()?;
+    job::carry_out(Job { cli, bars, stop, loaded, feed, setup, sender, record, earlier, json })
 }
 
 impl Args {

@@ -93,9 +93,10 @@ mod tests {
     use super::*;
 
     fn message(log_time: u64, data: Vec<u8>) -> Message {
-        let (topic, kind, encoding) = Default::default();
-        let channel = Arc::new(Channel { topic, kind, encoding, definition: "".into() });
-        Message { channel, log_time, publish_time: 0, data }
+        let (topic, kind, encoding, about) = Default::default();
+        let definition = "".into();
+        let channel = Channel { topic, kind, encoding, definition, about, schema: None };
+        Message { channel: Arc::new(channel), log_time, publish_time: 0, sequence: 0, data }
     }
 
     fn through(messages: impl IntoIterator<Item = Message>) -> Result<Vec<(u64, Vec<u8>)>, u64> {

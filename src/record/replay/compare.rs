@@ -107,11 +107,12 @@ impl Compared {
 
     fn answer(&mut self, recorded: &Answer, served: &Served) -> Result<(), Difference> {
         let mut left: Vec<Option<&Message>> = recorded.messages.iter().map(Some).collect();
-        let is_command =
-            |topic: &Topic| [&topics::BOUNDARY_COMMAND, &topics::WALL_TARGETS].contains(&topic);
         // Captured apart: `self` counts meanwhile.
         let topics = self.topics.clone();
-        let wants = |topic: &Topic| !is_command(topic) && topics.contains(&topic.recorded_name());
+        let wants = |topic: &Topic| match is_on_demand(topic) {
+            true => recorded.has(topic),
+            false => !is_command(topic) && topics.contains(&topic.recorded_name()),
+        };
         let mut bytes = Vec::new();
         answer::each(served, &wants, &mut |topic, message| {
             let name = topic.recorded_name();
@@ -160,6 +161,15 @@ impl Compared {
             replayed: replayed.to_string(),
         }
     }
+}
+
+fn is_command(topic: &Topic) -> bool {
+    [&topics::BOUNDARY_COMMAND, &topics::WALL_TARGETS].contains(&topic)
+}
+
+/// Whether a recording may have messages on `topic` for some answers only.
+fn is_on_demand(topic: &Topic) -> bool {
+    [&topics::STATE, &topics::MODULI, &topics::CONTACT_NETWORK].contains(&topic)
 }
 
 /// Gives the answer the time that the recorded one took: it is no part of what is compared.
