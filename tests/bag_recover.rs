@@ -102,7 +102,7 @@ fn ends_with_an_answer(found: &[Found], all: &[Found]) -> bool {
 fn a_recording_cut_off_anywhere_is_whole_up_to_its_last_whole_answer() {
     let parent = tempfile::tempdir().unwrap();
     let folder = parent.path().join("run");
-    record(&folder, &settings(), &answers(16, 60));
+    record(&folder, &settings(), &answers(16, 300));
     let all = messages(&folder);
     let last = files(&folder).pop().unwrap();
     assert!(files(&folder).len() > 2, "the recording is split");
@@ -150,7 +150,7 @@ fn a_recording_cut_off_anywhere_is_whole_up_to_its_last_whole_answer() {
 fn a_recovered_file_says_so_and_independent_readers_take_it() {
     let parent = tempfile::tempdir().unwrap();
     let folder = parent.path().join("run");
-    record(&folder, &settings(), &answers(16, 60));
+    record(&folder, &settings(), &answers(16, 300));
     let last = files(&folder).pop().unwrap();
     cut(&folder, fs::metadata(&last).unwrap().len() * 3 / 5);
     let size = fs::metadata(&last).unwrap().len();
@@ -173,7 +173,7 @@ fn a_recovered_file_says_so_and_independent_readers_take_it() {
 fn a_whole_bag_is_copied_byte_by_byte() {
     let parent = tempfile::tempdir().unwrap();
     let folder = parent.path().join("run");
-    record(&folder, &settings(), &answers(16, 60));
+    record(&folder, &settings(), &answers(16, 300));
     let copy = parent.path().join("copy");
     let done = recover(&folder, &copy).unwrap();
     assert_eq!((done.rewritten, done.dropped, done.left_out), (0, 0, 0));
@@ -190,7 +190,7 @@ fn a_whole_bag_is_copied_byte_by_byte() {
 fn the_description_of_whole_files_is_made_again_as_it_was() {
     let parent = tempfile::tempdir().unwrap();
     let folder = parent.path().join("run");
-    record(&folder, &settings(), &answers(16, 60));
+    record(&folder, &settings(), &answers(16, 300));
     let before = bytes(&folder);
     fs::remove_file(folder.join("metadata.yaml")).unwrap();
     in_place(&folder).unwrap();
@@ -282,7 +282,7 @@ fn commands_that_were_merged_with_a_lost_one_are_dropped() {
 fn a_damage_in_the_middle_ends_an_own_recording_there_and_leaves_its_folder_alone() {
     let parent = tempfile::tempdir().unwrap();
     let folder = parent.path().join("run");
-    record(&folder, &settings(), &answers(16, 60));
+    record(&folder, &settings(), &answers(16, 300));
     let all = messages(&folder);
     let paths = files(&folder);
     let mut spoilt = fs::read(&paths[1]).unwrap();
@@ -302,7 +302,7 @@ fn a_damage_in_the_middle_ends_an_own_recording_there_and_leaves_its_folder_alon
 fn a_recording_goes_on_in_a_new_file() {
     let parent = tempfile::tempdir().unwrap();
     let folder = parent.path().join("run");
-    let answers = answers(16, 60);
+    let answers = answers(16, 300);
     record(&folder, &settings(), &answers[..9]);
     cut(&folder, 10_000);
     in_place(&folder).unwrap();
@@ -333,7 +333,7 @@ fn a_recording_goes_on_in_a_new_file() {
 fn a_recording_that_goes_on_with_nothing_stays_as_it_was() {
     let parent = tempfile::tempdir().unwrap();
     let folder = parent.path().join("run");
-    record(&folder, &settings(), &answers(16, 60));
+    record(&folder, &settings(), &answers(16, 300));
     let before = bytes(&folder);
     Recorder::resume(&folder, &settings(), &provenance()).unwrap().finish().unwrap();
     assert!(bytes(&folder) == before);
@@ -343,7 +343,7 @@ fn a_recording_that_goes_on_with_nothing_stays_as_it_was() {
 fn what_is_no_whole_recording_cannot_go_on() {
     let parent = tempfile::tempdir().unwrap();
     let folder = parent.path().join("run");
-    record(&folder, &settings(), &answers(16, 60));
+    record(&folder, &settings(), &answers(16, 300));
     cut(&folder, 10_000);
     let refusal = Recorder::resume(&folder, &settings(), &provenance()).unwrap_err();
     assert!(matches!(&refusal, RecordError::Resume { reason, .. } if reason == "it is not whole"));

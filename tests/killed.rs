@@ -134,16 +134,17 @@ fn a_recording_killed_at_any_moment_is_whole_up_to_its_last_complete_increment()
     let mut damaged = 0;
     for number in 0..KILLS {
         let split = number % 2;
-        let moment = match (split, number % 8) {
-            (1, 3 | 7) => {
-                let pause = Duration::from_micros(random.random_range(0..3_000));
-                Moment::AfterFile(random.random_range(1..4), pause)
-            }
-            _ => Moment::After(Duration::from_millis(random.random_range(10..500))),
+        let mut pause = |most| Duration::from_micros(random.random_range(0..most));
+        let moment = match number % 8 {
+            0 => Moment::After(pause(30_000)),
+            // At a split.
+            3 => Moment::AfterFile(1, pause(3_000)),
+            7 => Moment::AfterFile(2, pause(3_000)),
+            _ => Moment::AfterFile(0, pause(180_000)),
         };
         println!("kill {number}: {moment:?}, split {split}");
         let folder = tempfile::tempdir().unwrap();
-        write_bead(folder.path(), RECORD[split], 20_000);
+        write_bead(folder.path(), RECORD[split], 10_000);
         let peers = number % PEERS == PEERS - 1;
         damaged += usize::from(kill_and_recover(folder.path(), moment, peers));
     }

@@ -31,17 +31,17 @@ fn on<'a>(messages: &'a [Message], topic: &'a str) -> impl Iterator<Item = &'a M
     messages.iter().filter(move |message| message.channel.topic == topic)
 }
 
-/// Waits until the recording in `folder` has `count` reports.
-fn wait_for_reports(folder: &Path, count: usize) {
+/// Waits until the recording in `folder` has `count` messages on `topic`.
+fn wait_for(folder: &Path, topic: &str, count: usize) {
     let since = Instant::now();
     loop {
         let bag = Bag::open(folder).unwrap();
         let messages: Vec<_> = bag.messages().map_while(Result::ok).collect();
-        let reports = on(&messages, "/graintwin/report").count();
-        if reports >= count {
+        let found = on(&messages, topic).count();
+        if found >= count {
             return;
         }
-        assert!(since.elapsed() < Duration::from_secs(60), "{reports} reports of {count}");
+        assert!(since.elapsed() < Duration::from_secs(60), "{found} of {count} on {topic}");
         thread::sleep(Duration::from_millis(50));
     }
 }
@@ -73,7 +73,8 @@ fn joints_are_recorded_as_they_came_and_the_log_and_the_diagnostics_too() {
                 .status()
                 .unwrap();
             assert!(played.success());
-            wait_for_reports(&folder.join("run"), STATES + 4);
+            wait_for(&folder.join("run"), "/graintwin/report", STATES + 4);
+            wait_for(&folder.join("run"), "/rosout", 1);
             let (ended, summary) = program.terminate();
             println!("{summary}");
             assert_eq!(ended.code(), Some(3), "a message was refused");
@@ -97,9 +98,10 @@ fn joints_are_recorded_as_they_came_and_the_log_and_the_diagnostics_too() {
                 cdr::decode::<WallTargets>(&message.data).unwrap();
             }
             assert!(on(&messages, "/graintwin/wall_targets").count() >= STATES);
-            let said = on(&messages, "/rosout")
-                .any(|message| cdr::decode::<Log>(&message.data).unwrap().msg.contains("other"));
-            assert!(said, "the refusal is in the log");
+            let log: Vec<String> = on(&messages, "/rosout")
+                .map(|message| cdr::decode::<Log>(&message.data).unwrap().msg)
+                .collect();
+            assert!(log.iter().any(|said| said.contains("INVALID")), "{log:#?}");
             let diagnostics = on(&messages, "/diagnostics").next().unwrap();
             let diagnostics: DiagnosticArray = cdr::decode(&diagnostics.data).unwrap();
             assert!(diagnostics.status.iter().any(|status| status.name == "graintwin: recorder"));

@@ -132,8 +132,11 @@ fn what_is_lost(table: &mut Table, account: &Account, file: &Path) {
     for damage in account.files.iter().filter_map(|file| file.damage.as_ref()) {
         table.line("state", &format!("damaged: {damage}"));
     }
-    if !account.is_damaged() {
+    if account.dropped > 0 && !account.is_damaged() {
         table.line("state", "the last answer is not whole");
+    }
+    if !account.described {
+        table.line("state", "metadata.yaml is missing, or names not all files: ROS 2 needs it");
     }
     let what = match account.own {
         true => format!(
