@@ -1,4 +1,4 @@
-//! Charts of a recording and of a bench, written as SVG.
+//! Charts of a recording and of a bench, written as SVG and PNG.
 //!
 //! [`Chart`] holds what is to be seen, [`Sheet`] lays charts out on a white card and writes them.
 //! What cannot be drawn (NaN, infinity, zero on a logarithmic axis) breaks a line; a series
@@ -14,18 +14,27 @@ mod layout;
 #[cfg(feature = "mcap")]
 mod panels;
 mod precision;
+#[cfg(feature = "png")]
+mod raster;
+#[cfg(feature = "mcap")]
+mod run;
 mod scale;
 mod sheet;
 mod svg;
+mod thin;
 mod ticks;
 mod unit;
 
 pub use chart::{Chart, Pattern, Series, Stroke};
 #[cfg(feature = "mcap")]
-pub use history::{Forces, History, Load};
+pub use history::History;
 #[cfg(feature = "mcap")]
 pub use panels::sheets;
 pub use precision::work_precision;
+#[cfg(feature = "png")]
+pub use raster::RasterError;
+#[cfg(feature = "mcap")]
+pub use run::{Forces, Load, Run};
 pub use scale::{Axis, Kind};
 pub use sheet::Sheet;
 pub use ticks::Ticks;

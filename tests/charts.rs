@@ -90,3 +90,43 @@ fn a_series_without_a_name_is_drawn_but_not_in_the_legend() {
     assert_eq!(within(&svg, "series", "polyline").len(), 2);
     assert_eq!(within(&svg, "sample", "polyline").len(), 1);
 }
+
+#[test]
+fn a_line_of_a_million_points_is_thinned_and_keeps_its_extremes() {
+    let wave = |at: u32| {
+        let spike = match at {
+            300_001 => 9.0,
+            700_003 => -7.0,
+            _ => 0.0,
+        };
+        [f64::from(at), spike + f64::from(at.wrapping_mul(2_654_435_761)) / f64::from(u32::MAX)]
+    };
+    let of = |count: u32| svg(vec![Series::new(0, "measured", (0..count).map(wave))]);
+    let text = of(1_000_000);
+    assert!(text.len() < 2_000_000, "{} bytes", text.len());
+    let svg = Document::parse(&text).unwrap();
+    let drawn: Vec<f64> =
+        within(&svg, "series", "polyline").into_iter().flat_map(places).map(|at| at[1]).collect();
+    // The places of 9 and −7, of which 10 and 0 are labelled.
+    let label = |number: &str| {
+        let label = svg.descendants().find(|node| {
+            node.text() == Some(number) && node.attribute("text-anchor") == Some("end")
+        });
+        label.unwrap().attribute("y").unwrap().parse::<f64>().unwrap() - 4.0
+    };
+    let height = |value: f64| label("0") + value / 10.0 * (label("10") - label("0"));
+    let (top, bottom) =
+        drawn.iter().fold((f64::MAX, f64::MIN), |(top, bottom), y| (top.min(*y), bottom.max(*y)));
+    let at = |spike: u32| height(wave(spike)[1]);
+    assert!((top - at(300_001)).abs() < 0.02, "{top} {}", at(300_001));
+    assert!((bottom - at(700_003)).abs() < 0.02, "{bottom} {}", at(700_003));
+}
+
+#[test]
+fn a_loop_of_few_points_is_drawn_whole_however_often_it_turns() {
+    let turn = |at: u32| (f64::from(at) * 0.3).sin_cos();
+    let points = (0..2_000).map(|at| [turn(at).0, turn(at).1]);
+    let text = svg(vec![Series::new(0, "loop", points)]);
+    let svg = Document::parse(&text).unwrap();
+    assert_eq!(places(within(&svg, "series", "polyline")[0]).len(), 2_000);
+}

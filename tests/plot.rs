@@ -4,37 +4,21 @@
 
 #[path = "common/answers.rs"]
 mod answers;
+#[path = "common/plotted.rs"]
+mod plotted;
 
+#[cfg(feature = "png")]
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 use std::sync::Arc;
 
-use graintwin::record::Recorder;
-use graintwin::scene::Record;
-use graintwin::sink::{Served, Sink};
-
-use answers::{answers, provenance};
+use answers::answers;
+use plotted::{plot, write};
 
 /// A recording of the initial equilibrium and 14 commands, every fifth of them refused.
 fn record(folder: &Path) {
     write(folder, &answers(14, 40));
-}
-
-fn write(folder: &Path, answers: &[Arc<Served>]) {
-    let mut recorder = Recorder::create(folder, &Record::default(), &provenance()).unwrap();
-    for answer in answers {
-        recorder.served(answer);
-    }
-    recorder.finish().unwrap();
-}
-
-/// Exit code, stdout and stderr of `graintwin plot`.
-fn plot(arguments: &[&Path]) -> (i32, String, String) {
-    let output =
-        Command::new(env!("CARGO_BIN_EXE_graintwin")).arg("plot").args(arguments).output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
 }
 
 #[test]
@@ -44,8 +28,9 @@ fn every_sheet_is_well_formed_and_named_after_the_scene() {
     record(&bag);
     let (code, stdout, stderr) = plot(&[&bag]);
     assert_eq!(code, 0, "{stderr}");
-    assert!(stdout.lines().count() >= 6, "{stdout}");
-    for file in stdout.lines() {
+    let files: Vec<&str> = stdout.lines().filter(|file| file.ends_with(".svg")).collect();
+    assert_eq!(files.len(), 11, "{stdout}");
+    for file in files {
         let text = fs::read_to_string(file).unwrap();
         let svg = roxmltree::Document::parse(&text).unwrap_or_else(|e| panic!("{file}: {e}"));
         assert_eq!(svg.root_element().tag_name().name(), "svg", "{file}");
@@ -110,4 +95,63 @@ fn exit_2_where_there_is_no_bag_and_3_for_a_damaged_one() {
     let (code, stdout, stderr) = plot(&[&cut, Path::new("--out"), &out]);
     assert_eq!(code, 3, "{stderr}");
     assert!(stdout.contains("overview.svg") && stderr.contains("cut.mcap"), "{stdout}{stderr}");
+}
+
+#[test]
+fn exit_2_when_the_bag_holds_no_measure_and_1_when_nothing_can_be_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let (bare, bag) = (folder.path().join("bare"), folder.path().join("bag"));
+    let refused: Vec<_> = answers(5, 40).split_off(5);
+    assert!(refused[0].report.measures.is_none());
+    write(&bare, &refused);
+    let (code, stdout, stderr) = plot(&[&bare]);
+    assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
+    assert!(stderr.contains("there is nothing to draw"), "{stderr}");
+
+    record(&bag);
+    let taken = folder.path().join("taken");
+    fs::write(&taken, "a file").unwrap();
+    for out in [taken.clone(), taken.join("below")] {
+        let (code, _, stderr) = plot(&[&bag, Path::new("--out"), &out]);
+        assert_eq!(code, 1, "{stderr}");
+        assert!(stderr.contains(out.to_str().unwrap()), "{stderr}");
+        assert!(stderr.contains("--out names another folder"), "{stderr}");
+    }
+    assert_eq!(fs::read(&taken).unwrap(), b"a file");
+}
+
+#[cfg(feature = "png")]
+#[test]
+fn each_chart_is_there_as_svg_and_png_unless_one_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let bag = folder.path().join("bag");
+    record(&bag);
+    let of = |out: &Path, format: &[&str]| {
+        let mut arguments = vec![bag.to_str().unwrap(), "--out", out.to_str().unwrap()];
+        arguments.extend(format);
+        let (code, stdout, stderr) = plot(&arguments);
+        assert_eq!(code, 0, "{stderr}");
+        let printed: BTreeSet<String> = stdout.lines().map(str::to_owned).collect();
+        let found = fs::read_dir(out).unwrap().map(|file| file.unwrap().path());
+        let found: BTreeSet<String> = found.map(|file| file.to_str().unwrap().into()).collect();
+        assert_eq!(printed, found);
+        found
+    };
+    let [both, svg, png, again] =
+        ["both", "svg", "png", "again"].map(|name| folder.path().join(name));
+    let files = of(&both, &[]);
+    let count = |ending: &str| files.iter().filter(|file| file.ends_with(ending)).count();
+    assert_eq!((count(".svg"), count(".png"), files.len()), (11, 11, 22));
+    assert!(of(&svg, &["--format", "svg"]).iter().all(|file| file.ends_with(".svg")));
+    let alone = of(&png, &["--format", "png"]);
+    assert_eq!(alone.len(), 11);
+    of(&again, &[]);
+    for file in files {
+        let name = Path::new(&file).file_name().unwrap();
+        let bytes = fs::read(&file).unwrap();
+        assert_eq!(bytes, fs::read(again.join(name)).unwrap(), "{file} differs when drawn again");
+        if file.ends_with(".png") {
+            assert_eq!(bytes, fs::read(png.join(name)).unwrap());
+        }
+    }
 }

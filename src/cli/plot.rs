@@ -6,15 +6,16 @@ use std::path::{Path, PathBuf};
 use anyhow::anyhow;
 
 use graintwin::record::reader::Bag;
-use graintwin::view::{self, History};
+use graintwin::view::{self, History, Sheet};
 
 use super::{Failure, Outcome, output};
 
-/// Draws a recording: stresses, wall forces, moduli, coordination, friction, energy, solver effort
-/// and the distribution of contact forces, as SVG.
+/// Draws a recording: stresses, volume change, moduli, coordination, friction, energies, contact
+/// forces and solver effort, as SVG and PNG.
 ///
-/// Writes overview.svg with the four most telling charts, and stress_strain, wall_forces, moduli,
-/// coordination, friction, energy, effort and forces, and prints the names of the files. What the
+/// Writes overview with the four most telling charts, and stress_strain, stress_path,
+/// volume_change, wall_forces, moduli, coordination, friction, energy, effort and forces, and prints
+/// the names of the files. Charts bear the name of the scene and the units of their axes. What the
 /// recording does not hold is left out, and so is friction where no contact carried any. A damaged
 /// recording is drawn as far as it can be read, and the exit code is 3.
 #[derive(Debug, clap::Args)]
@@ -27,6 +28,21 @@ pub(super) struct Args {
     /// .mcap file].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+
+    /// What to write: SVG, which stays sharp at any size, PNG, which is twice as fine as a screen
+    /// and brings its letters along, or both.
+    #[cfg(feature = "png")]
+    #[arg(long, value_enum, default_value_t = Format::Both)]
+    format: Format,
+}
+
+/// Kinds of files to write.
+#[cfg(feature = "png")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Format {
+    Svg,
+    Png,
+    Both,
 }
 
 pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
@@ -41,16 +57,42 @@ pub(super) fn run(args: &Args) -> Result<Outcome, Failure> {
     let folder = args.out.clone().unwrap_or_else(|| beside(&args.bag));
     fs::create_dir_all(&folder).map_err(|error| unwritable(&folder, &error))?;
     for (name, sheet) in sheets {
-        let file = folder.join(name).with_extension("svg");
-        fs::write(&file, sheet.to_svg()).map_err(|error| unwritable(&file, &error))?;
-        output::print(&format!("{}\n", file.display()))?;
+        write(args, &folder.join(name), &sheet)?;
     }
     Ok(outcome)
+}
+
+/// Writes the files of a sheet, named as `stem` with the ending of each.
+#[cfg(feature = "png")]
+fn write(args: &Args, stem: &Path, sheet: &Sheet) -> Result<(), Failure> {
+    if args.format != Format::Png {
+        write_file(&stem.with_extension("svg"), sheet.to_svg().as_bytes())?;
+    }
+    if args.format != Format::Svg {
+        let file = stem.with_extension("png");
+        let png = sheet.to_png().map_err(|error| anyhow!("{}: {error}", file.display()));
+        write_file(&file, &png.map_err(Failure::Other)?)?;
+    }
+    Ok(())
+}
+
+#[cfg(not(feature = "png"))]
+fn write(_: &Args, stem: &Path, sheet: &Sheet) -> Result<(), Failure> {
+    write_file(&stem.with_extension("svg"), sheet.to_svg().as_bytes())
+}
+
+fn write_file(file: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    fs::write(file, bytes).map_err(|error| unwritable(file, &error))?;
+    output::print(&format!("{}\n", file.display()))
 }
 
 fn tell_losses(history: &History) -> Outcome {
     for topic in &history.passed_over {
         tracing::warn!("passed over {topic}");
+    }
+    if history.runs > 1 {
+        let (number, runs) = (history.number, history.runs);
+        tracing::info!("the bag holds {runs} runs, one after each reset; drawn is run {number}");
     }
     if let Some(damage) = &history.damage {
         tracing::error!("{damage}");
@@ -65,7 +107,7 @@ fn tell_losses(history: &History) -> Outcome {
 }
 
 fn nothing(bag: &Path, history: &History) -> anyhow::Error {
-    let what = if history.is_empty() { "holds no" } else { "holds no finite value in its" };
+    let what = if history.run.is_empty() { "holds no" } else { "holds no finite value in its" };
     anyhow!(
         "{} {what} graintwin_msgs/msg/PackState, WallForces, Moduli or ContactNetwork: there is \
          nothing to draw",
@@ -85,5 +127,5 @@ fn beside(bag: &Path) -> PathBuf {
 }
 
 fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::Other(anyhow!("cannot write {}: {error}", path.display()))
+    Failure::Other(anyhow!("cannot write {}: {error}; --out names another folder", path.display()))
 }

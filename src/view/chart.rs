@@ -30,6 +30,12 @@ pub struct Series {
     pub stroke: Stroke,
 }
 
+/// A line of more points is drawn finely.
+const MANY: usize = 300;
+
+/// Width of a fine line \[pixels\].
+const FINE: f64 = 1.1;
+
 /// How a line is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stroke {
@@ -71,10 +77,15 @@ impl Stroke {
 }
 
 impl Series {
-    /// A line in the colour of its `number` in the chart.
+    /// A line in the colour of its `number` in the chart, thinner when it has many points: loops
+    /// that lie close together stay apart.
     pub fn new(number: usize, name: &str, points: impl IntoIterator<Item = [f64; 2]>) -> Self {
-        let points = points.into_iter().collect();
-        Self { name: name.into(), points, spread: Vec::new(), stroke: Stroke::of(number) }
+        let points: Vec<[f64; 2]> = points.into_iter().collect();
+        let mut stroke = Stroke::of(number);
+        if points.len() > MANY {
+            stroke.width = FINE;
+        }
+        Self { name: name.into(), points, spread: Vec::new(), stroke }
     }
 }
 

@@ -4,12 +4,16 @@ use super::chart::{Chart, Pattern, Series};
 use super::layout::{LABEL, NOTE, rows, width, wrapped};
 use super::scale::{Kind, Scale};
 use super::svg::{Anchor, Svg};
+use super::thin::{apart, thinned};
 
 /// Height of a row of the legend, and of a line of notes \[pixels\].
 const ROW: f64 = 18.0;
 
 /// Length of a line in the legend \[pixels\].
 const SAMPLE: f64 = 20.0;
+
+/// Width of a line in the legend, at most: its round end must not reach the name \[pixels\].
+const WIDEST_SAMPLE: f64 = 6.5;
 
 /// Points of a line that are marked one by one, at most.
 const MOST_DOTS: usize = 60;
@@ -75,7 +79,7 @@ fn legend(svg: &mut Svg, chart: &Chart, [left, top]: [f64; 2], room: f64) -> f64
     let mut end = top;
     for (series, (row, offset)) in shown.iter().zip(rows(&widths, 14.0, room)) {
         let at = [left + offset, top + ROW * row as f64];
-        svg.begin_sample(series.stroke.color, series.stroke.width);
+        svg.begin_sample(series.stroke.color, series.stroke.width.min(WIDEST_SAMPLE));
         let middle = at[1] - 4.0;
         match series.stroke.pattern {
             Pattern::Solid => svg.polyline(&[[at[0], middle], [at[0] + SAMPLE, middle]]),
@@ -147,24 +151,23 @@ fn line(svg: &mut Svg, frame: &Frame, chart: &Chart, series: &Series) {
     }
     let few = stroke.pattern == Pattern::Solid && series.points.len() <= MOST_DOTS;
     let marked = few || stroke.pattern == Pattern::Dots;
-    for piece in chart.pieces(series) {
-        let places: Vec<[f64; 2]> = piece.iter().map(|point| frame.place(*point)).collect();
-        if places.len() > 1 {
-            match stroke.pattern {
-                Pattern::Solid => svg.polyline(&places),
-                Pattern::Dashed => svg.dashed(&places),
-                Pattern::Dots => {}
-            }
-        }
-        // A point between two gaps would not be seen as a line.
-        if marked || places.len() == 1 {
-            places.iter().for_each(|place| svg.dot(*place, dot_radius(series)));
+    let place = |piece: &[[f64; 2]]| piece.iter().map(|point| frame.place(*point)).collect();
+    let mut pieces: Vec<Vec<[f64; 2]>> = chart.pieces(series).map(place).collect();
+    // A point between two gaps would not be seen as a line.
+    let dots = pieces.iter().filter(|piece| marked || piece.len() == 1);
+    let dots = apart(&dots.flatten().copied().collect::<Vec<_>>());
+    pieces.retain(|piece| piece.len() > 1 && stroke.pattern != Pattern::Dots);
+    for piece in thinned(pieces) {
+        match stroke.pattern {
+            Pattern::Dashed => svg.dashed(&piece),
+            _ => svg.polyline(&piece),
         }
     }
+    dots.iter().for_each(|place| svg.dot(*place, dot_radius(series)));
     svg.end();
 }
 
 /// Radius of a marked point \[pixels\].
 fn dot_radius(series: &Series) -> f64 {
-    series.stroke.width + 0.6
+    0.5 * series.stroke.width + 1.5
 }

@@ -1,29 +1,27 @@
 //! What a bag tells of a run.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::mem;
 
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
+use super::run::{Measure, Run};
+use crate::msg::Described;
 use crate::msg::cdr;
-use crate::msg::{ContactNetwork, Described, Moduli, PackState, WallForces};
 use crate::record::reader::{Bag, Message, ReadError};
 
-/// The measures in a bag, in its order.
+/// The measures in a bag.
 #[derive(Debug, Default)]
 pub struct History {
     /// Name of the scene, when the bag says it.
     pub scene: Option<String>,
-    /// The pack as a whole.
-    pub states: Vec<PackState>,
-    /// The walls.
-    pub walls: Vec<WallForces>,
-    /// The moduli.
-    pub moduli: Vec<Moduli>,
-    /// The forces of the first and of the last contact network, which may be the same.
-    pub networks: Option<[Forces; 2]>,
-    /// What the contacts of each network carry together.
-    pub loads: Vec<Load>,
+    /// The longest run, and the last of those; a bag without a reset has only one.
+    pub run: Run,
+    /// Which run it is, from 1.
+    pub number: usize,
+    /// Runs in the bag.
+    pub runs: usize,
     /// Topics that were passed over, and why.
     pub passed_over: BTreeSet<String>,
     /// Messages that are not what their topic says.
@@ -31,6 +29,8 @@ pub struct History {
     /// Where the bag stops making sense; all the rest is what was read before that.
     pub damage: Option<ReadError>,
     sources: BTreeMap<&'static str, Source>,
+    /// The run that is being read.
+    current: Run,
 }
 
 /// Where the messages of a type come from.
@@ -39,26 +39,6 @@ struct Source {
     topic: String,
     /// Whether they can be understood.
     fits: bool,
-}
-
-/// The contact forces of one equilibrium.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Forces {
-    /// The increment.
-    pub increment: u64,
-    /// Normal forces \[N\].
-    pub normal: Vec<f64>,
-}
-
-/// What all contacts of one equilibrium carry together.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Load {
-    /// The increment.
-    pub increment: u64,
-    /// Sum of the normal forces \[N\].
-    pub normal: f64,
-    /// Sum of the magnitudes of the tangential forces \[N\].
-    pub tangential: f64,
 }
 
 /// What is read of a scene; it may be of another version.
@@ -81,73 +61,27 @@ impl History {
                 Err(error) => return Err(error),
             }
         }
+        history.end_run();
         Ok(history)
     }
 
-    /// Whether there is nothing to look at.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.states.is_empty()
-            && self.walls.is_empty()
-            && self.moduli.is_empty()
-            && self.networks.is_none()
-    }
-
-    /// The first and the last increment that anything is known of.
-    #[must_use]
-    pub fn increments(&self) -> Option<(u64, u64)> {
-        let states = self.states.iter().map(|state| state.increment);
-        let walls = self.walls.iter().map(|walls| walls.increment);
-        let moduli = self.moduli.iter().map(|moduli| moduli.increment);
-        let networks = self.networks.iter().flatten().map(|forces| forces.increment);
-        let all = states.chain(walls).chain(moduli).chain(networks);
-        all.fold(None, |range, at| {
-            let (first, last) = range.unwrap_or((at, at));
-            Some((first.min(at), last.max(at)))
-        })
-    }
-
     fn add(&mut self, message: &Message) {
-        if let Some(state) = self.decode::<PackState>(message) {
-            self.states.push(state);
-        } else if let Some(walls) = self.decode::<WallForces>(message) {
-            self.walls.push(walls);
-        } else if let Some(moduli) = self.decode::<Moduli>(message) {
-            self.moduli.push(moduli);
-        } else if let Some(network) = self.decode::<ContactNetwork>(message) {
-            self.add_network(network);
+        let measure = (self.decode(message).map(Measure::State))
+            .or_else(|| self.decode(message).map(Measure::Walls))
+            .or_else(|| self.decode(message).map(Measure::Moduli))
+            .or_else(|| self.decode(message).map(Measure::Network));
+        let Some(measure) = measure else { return };
+        if self.current.ends_before(&measure) {
+            self.end_run();
         }
+        self.current.add(measure);
     }
 
-    /// A live network comes in chunks, which follow upon each other.
-    fn add_network(&mut self, network: ContactNetwork) {
-        self.add_load(&network);
-        let ContactNetwork { increment, chunk, normal_force: normal, .. } = network;
-        let forces = Forces { increment, normal };
-        let Some([first, last]) = &mut self.networks else {
-            self.networks = Some([forces.clone(), forces]);
-            return;
-        };
-        if chunk == 0 || last.increment != increment {
-            *last = forces;
-        } else {
-            if first == last {
-                first.normal.extend(&forces.normal);
-            }
-            last.normal.extend(forces.normal);
-        }
-    }
-
-    fn add_load(&mut self, network: &ContactNetwork) {
-        let normal: f64 = network.normal_force.iter().sum();
-        let size = |force: &[f64]| force.iter().map(|part| part * part).sum::<f64>().sqrt();
-        let tangential: f64 = network.tangential_force.chunks_exact(3).map(size).sum();
-        match self.loads.last_mut() {
-            Some(last) if network.chunk > 0 && last.increment == network.increment => {
-                last.normal += normal;
-                last.tangential += tangential;
-            }
-            _ => self.loads.push(Load { increment: network.increment, normal, tangential }),
+    fn end_run(&mut self) {
+        self.runs += 1;
+        let run = mem::take(&mut self.current);
+        if run.len() >= self.run.len() {
+            (self.run, self.number) = (run, self.runs);
         }
     }
 
@@ -182,32 +116,4 @@ fn scene_name(bag: &Bag) -> Option<String> {
     let text = bag.attachment("scene.yaml").ok()??;
     let scene: Named = serde_saphyr::from_str(std::str::from_utf8(&text).ok()?).ok()?;
     Some(scene.name)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn chunks_of_one_equilibrium_make_one_load() {
-        let network = |increment: u64, chunk: u32, tangential: [f64; 3]| ContactNetwork {
-            increment,
-            chunk,
-            chunk_count: 2,
-            normal_force: vec![7.0],
-            tangential_force: tangential.to_vec(),
-            ..ContactNetwork::default()
-        };
-        let mut history = History::default();
-        history.add_network(network(4, 0, [3.0, 0.0, 4.0]));
-        history.add_network(network(4, 1, [0.0, -2.0, 0.0]));
-        history.add_network(network(5, 0, [0.0; 3]));
-        assert_eq!(
-            history.loads,
-            [
-                Load { increment: 4, normal: 14.0, tangential: 7.0 },
-                Load { increment: 5, normal: 7.0, tangential: 0.0 },
-            ]
-        );
-    }
 }

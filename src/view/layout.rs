@@ -30,6 +30,15 @@ pub(super) fn wrapped(text: &str, size: f64, room: f64) -> Vec<String> {
     lines
 }
 
+/// `text` in one line of at most `room` pixels; an ellipsis stands for what does not fit.
+pub(super) fn shortened(text: &str, size: f64, room: f64) -> String {
+    if width(text, size) <= room {
+        return text.to_owned();
+    }
+    let letters = (room / (size * LETTER)) as usize;
+    text.chars().take(letters.saturating_sub(1)).chain(['…']).collect()
+}
+
 /// Rows of things of the given widths, `gap` apart, none wider than `room` unless it is alone:
 /// row and offset of each.
 pub(super) fn rows(widths: &[f64], gap: f64, room: f64) -> Vec<(usize, f64)> {
@@ -48,6 +57,12 @@ pub(super) fn rows(widths: &[f64], gap: f64, room: f64) -> Vec<(usize, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_text_too_long_for_its_line_ends_in_an_ellipsis() {
+        assert_eq!(shortened("Öl und Sand", 10.0, 100.0), "Öl und Sand");
+        assert_eq!(shortened("Öl und Sand", 10.0, 42.0), "Öl und…");
+    }
 
     #[test]
     fn what_does_not_fit_goes_into_the_next_row() {

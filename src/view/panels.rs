@@ -1,10 +1,14 @@
 //! The charts of a recording.
 
+mod contacts;
+mod energy;
 mod friction;
 mod measures;
 mod moduli;
 mod solver;
 mod strain;
+mod typical;
+mod volume;
 
 use super::chart::Chart;
 use super::history::History;
@@ -19,32 +23,34 @@ const OVERVIEW: usize = 4;
 /// that would hold no value are not among them.
 #[must_use]
 pub fn sheets(history: &History, title: &str) -> Vec<(&'static str, Sheet)> {
-    let strain = Strain::of(history);
-    let stress = measures::stress(history, &strain);
-    let walls = measures::wall_forces(history);
-    let moduli = moduli::moduli(history, &strain);
-    let ratio = moduli::poisson(history, &strain);
-    let coordination = measures::coordination(history, &strain);
-    let porosity = measures::porosity(history, &strain);
-    let forces = measures::force_distribution(history);
-    let energy = measures::energy(history, &strain);
-    let friction = friction::mobilised(history, &strain);
-    let effort = [solver::iterations(history), solver::residual(history)];
+    let run = &history.run;
+    let strain = Strain::of(run);
+    let stress = measures::stress(run, &strain);
+    let walls = measures::wall_forces(run);
+    let volume = volume::change(run, &strain);
+    let moduli = moduli::moduli(run, &strain);
+    let ratio = moduli::poisson(run, &strain);
+    let coordination = measures::coordination(run, &strain);
+    let friction = friction::mobilised(run, &strain);
+    let forces = contacts::normal(run);
+    let effort = [solver::iterations(run), solver::residual(run)];
 
     // The most telling first; the later ones stand in where an earlier one has no value.
-    let telling = [&stress, &walls, &moduli, &friction, &forces, &coordination, &porosity];
+    let telling = [&stress, &walls, &moduli, &friction, &forces, &coordination, &volume];
     let overview: Vec<Chart> =
         telling.into_iter().filter(|chart| !chart.is_empty()).take(OVERVIEW).cloned().collect();
     let sheets = [
         ("overview", overview),
         ("stress_strain", vec![stress]),
+        ("stress_path", vec![measures::path(run)]),
+        ("volume_change", vec![volume, volume::porosity(run, &strain)]),
         ("wall_forces", vec![walls]),
         ("moduli", vec![moduli, ratio]),
-        ("coordination", vec![coordination, porosity]),
+        ("coordination", vec![coordination]),
         ("friction", vec![friction]),
-        ("energy", vec![energy]),
+        ("energy", vec![energy::energy(run, &strain)]),
         ("effort", effort.to_vec()),
-        ("forces", vec![forces]),
+        ("forces", vec![forces, contacts::tangential(run)]),
     ];
     let subtitle = subtitle(history);
     let sheet = |(name, mut charts): (_, Vec<Chart>)| {
@@ -56,12 +62,16 @@ pub fn sheets(history: &History, title: &str) -> Vec<(&'static str, Sheet)> {
 }
 
 fn subtitle(history: &History) -> String {
-    let mut text = match history.increments() {
+    let mut text = match history.run.increments() {
         Some((first, last)) if first < last => format!("Increments {first} to {last}."),
         Some((only, _)) => format!("Increment {only}."),
         None => String::new(),
     };
     text.push_str(" Compression is positive.");
+    if history.runs > 1 {
+        let (number, runs) = (history.number, history.runs);
+        text.push_str(&format!(" Run {number} of {runs}, the longest: each reset begins another."));
+    }
     if history.damage.is_some() {
         text.push_str(" The recording is damaged: this is what could be read.");
     }

@@ -34,6 +34,10 @@ const SMALLEST: f64 = 1e-300;
 /// Zero is shown when the data begins below this share of its height.
 const NEAR_ZERO: f64 = 0.4;
 
+/// Data beyond zero by a smaller share of the rest ends at zero: it is a rounding, or would not be
+/// seen.
+const NEGLIGIBLE: f64 = 1e-3;
+
 impl Axis {
     /// An evenly divided axis.
     #[must_use]
@@ -114,11 +118,30 @@ impl Scale {
 }
 
 fn with_zero(low: f64, high: f64) -> (f64, f64) {
-    if low > 0.0 && low < NEAR_ZERO * high {
+    if low > -NEGLIGIBLE * high && low < NEAR_ZERO * high {
         (0.0, high)
-    } else if high < 0.0 && high > NEAR_ZERO * low {
+    } else if high < -NEGLIGIBLE * low && high > NEAR_ZERO * low {
         (low, 0.0)
     } else {
         (low, high)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_axis_begins_at_zero_when_the_data_all_but_does() {
+        let range = |values: [f64; 2]| {
+            let axis = Axis::linear("y", Unit::None);
+            Scale::fit(&axis, values.into_iter(), 5).map(|scale| scale.ticks.range())
+        };
+        assert_eq!(range([-1e-4, 10.0]), Some((0.0, 10.0)));
+        assert_eq!(range([3.0, 10.0]), Some((0.0, 10.0)));
+        assert_eq!(range([-0.1, 10.0]), Some((-2.0, 10.0)));
+        assert_eq!(range([-10.0, 1e-4]), Some((-10.0, 0.0)));
+        assert_eq!(range([-10.0, 0.1]), Some((-10.0, 2.0)));
+        assert_eq!(range([0.0, 0.0]), Some((-1.0, 1.0)));
     }
 }

@@ -2,7 +2,7 @@
 
 use super::chart::Chart;
 use super::draw::draw;
-use super::layout::{NOTE, wrapped};
+use super::layout::{NOTE, shortened, wrapped};
 use super::svg::{Anchor, Svg};
 
 /// Charts on one image.
@@ -27,6 +27,9 @@ const GAP: f64 = 20.0;
 
 /// The heading without its second line \[pixels\].
 const HEAD: f64 = 36.0;
+
+/// Size of the letters of the heading \[pixels\], and a fifth more, since they are bold.
+const HEADING: f64 = 1.2 * 18.0;
 
 /// Between lines of the subtitle \[pixels\].
 const LINE: f64 = 16.0;
@@ -60,7 +63,8 @@ impl Sheet {
         let mut svg = Svg::default();
         svg.rect("card", [0.5, 0.5], [width - 1.0, height - 1.0], 10.0);
         let left = GAP + 12.0;
-        svg.text("heading", [left, GAP + 18.0], Anchor::Start, &self.title);
+        let title = shortened(&self.title, HEADING, width - 2.0 * left);
+        svg.text("heading", [left, GAP + 18.0], Anchor::Start, &title);
         for (line, text) in subtitle.iter().enumerate() {
             let y = GAP + HEAD + LINE * line as f64;
             svg.text("note", [left, y], Anchor::Start, text);

@@ -18,6 +18,9 @@ const SMALLEST: f64 = 1e-30;
 /// Labels on a logarithmic axis, at most.
 const MOST_DECADES: i32 = 8;
 
+/// Above a round number by this factor is still that number.
+const CLOSE: f64 = 1.1;
+
 impl Ticks {
     /// About `about` equal steps of 1, 2 or 5 times a power of ten over `low..=high`, both finite
     /// and at most 1e30 in magnitude.
@@ -80,12 +83,14 @@ impl Ticks {
     }
 }
 
-/// The next number of the form 1, 2 or 5 times a power of ten, in these two parts.
+/// The next number of the form 1, 2 or 5 times a power of ten, in these two parts, or the one that
+/// `raw` is close to.
 fn round_up(raw: f64) -> (f64, i32) {
     let power = raw.log10().floor() as i32;
     let mantissa = raw / 10f64.powi(power);
-    // A rounding above a round number does not ask for the next.
-    let fits = [1.0, 2.0, 5.0].into_iter().find(|digit| mantissa <= digit * (1.0 + 1e-9));
+    // A little above a round number does not ask for the next: one more step does less harm than
+    // steps so long that half the axis is empty.
+    let fits = [1.0, 2.0, 5.0].into_iter().find(|digit| mantissa <= digit * CLOSE);
     fits.map_or((1.0, power + 1), |digit| (digit, power))
 }
 
@@ -133,6 +138,7 @@ mod tests {
     fn labels_have_the_decimals_of_the_step() {
         assert_eq!(Ticks::linear(0.0, 0.9, 5).labels, ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
         assert_eq!(Ticks::linear(-3.0, 7.0, 3).labels, ["−5", "0", "5", "10"]);
+        assert_eq!(Ticks::linear(-0.1, 10.0, 5).values, [-2.0, 0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
         assert_eq!(Ticks::linear(0.361, 0.3625, 4).labels[1], "0.3615");
     }
 

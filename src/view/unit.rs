@@ -44,6 +44,19 @@ impl Unit {
         }
     }
 
+    /// `value` with its unit, in a sentence: four digits and a prefix.
+    #[must_use]
+    pub fn written(self, value: f64) -> String {
+        if value == 0.0 {
+            return format!("0 {}", self.name()).trim_end().into();
+        }
+        let (factor, unit) = self.for_magnitude(value.abs());
+        let value = value / factor;
+        let decimals = (3.0 - value.abs().log10().floor()).clamp(0.0, 6.0) as usize;
+        let text = format!("{value:.decimals$} {unit}").replace('-', "\u{2212}");
+        text.trim_end().into()
+    }
+
     /// The bare name; empty for pure numbers.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -65,6 +78,15 @@ mod tests {
         assert_eq!(Unit::Si("J").for_magnitude(3e-6), (1e-6, "µJ".into()));
         assert_eq!(Unit::Si("J").for_magnitude(1e-20).1, "pJ");
         assert_eq!(Unit::Si("N").for_magnitude(0.0), (1.0, "N".into()));
+    }
+
+    #[test]
+    fn a_value_in_a_sentence_has_four_digits() {
+        assert_eq!(Unit::Si("Pa").written(-354.9312e6), "−354.9 MPa");
+        assert_eq!(Unit::Si("N").written(0.202_34), "202.3 mN");
+        assert_eq!(Unit::Si("J").written(0.0), "0 J");
+        assert_eq!(Unit::None.written(0.25), "0.2500");
+        assert_eq!(Unit::Si("J").written(1e-30), "0.000000 pJ");
     }
 
     #[test]

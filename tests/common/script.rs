@@ -1,4 +1,5 @@
 //! A CycloneDDS peer that does what a test tells it: `tests/peer/act.py`.
+#![allow(dead_code, reason = "each test takes what it needs of it")]
 
 use std::fs;
 use std::path::Path;

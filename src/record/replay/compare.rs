@@ -55,7 +55,8 @@ impl Compared {
     /// The first difference.
     pub fn answers(&mut self, step: &Step, served: &mut [Served]) -> Result<(), Difference> {
         if served.len() != step.answers.len() {
-            let (recorded, replayed) = (step.answers.len(), served.len());
+            let [recorded, replayed] =
+                [step.answers.len(), served.len()].map(|count| count.to_string());
             return Err(self.difference("answers", "their number", recorded, replayed));
         }
         for (recorded, served) in step.answers.iter().zip(served) {
@@ -116,9 +117,9 @@ impl Compared {
         let mut bytes = Vec::new();
         answer::each(served, &wants, &mut |topic, message| {
             let name = topic.recorded_name();
-            message
-                .encode(&mut bytes)
-                .map_err(|error| self.difference(&name, "as a whole", "a message", error))?;
+            message.encode(&mut bytes).map_err(|error| {
+                self.difference(&name, "as a whole", "a message", error.to_string())
+            })?;
             let place = left
                 .iter_mut()
                 .find(|message| message.is_some_and(|message| message.channel.topic == name));
@@ -150,15 +151,15 @@ impl Compared {
         &self,
         topic: &str,
         field: &str,
-        recorded: impl ToString,
-        replayed: impl ToString,
+        recorded: impl Into<String>,
+        replayed: impl Into<String>,
     ) -> Difference {
         Difference {
             increment: self.increment,
             topic: topic.into(),
             field: field.into(),
-            recorded: recorded.to_string(),
-            replayed: replayed.to_string(),
+            recorded: recorded.into(),
+            replayed: replayed.into(),
         }
     }
 }

@@ -3,21 +3,21 @@
 use super::strain::Strain;
 use crate::msg::PackState;
 use crate::view::chart::{Chart, Series};
-use crate::view::history::{History, Load};
+use crate::view::run::{Load, Run};
 use crate::view::scale::Axis;
 use crate::view::unit::Unit;
 
 /// Share of the contacts that slide, and how large the tangential forces are beside the normal
 /// ones. Without a series when no contact ever carried a tangential force.
-pub(super) fn mobilised(history: &History, strain: &Strain) -> Chart {
+pub(super) fn mobilised(run: &Run, strain: &Strain) -> Chart {
     let sliding = |state: &PackState| [strain.at(state.increment), state.sliding_ratio];
     let load = |load: &Load| [strain.at(load.increment), load.tangential / load.normal];
-    let rubs = history.loads.iter().any(|load| load.tangential > 0.0)
-        || history.states.iter().any(|state| state.sliding_ratio > 0.0);
+    let rubs = run.loads.iter().any(|load| load.tangential > 0.0)
+        || run.states.iter().any(|state| state.sliding_ratio > 0.0);
     let series = || {
         vec![
-            Series::new(0, "sliding ratio", history.states.iter().map(sliding)),
-            Series::new(1, "tangential over normal force", history.loads.iter().map(load)),
+            Series::new(0, "sliding ratio", run.states.iter().map(sliding)),
+            Series::new(1, "tangential over normal force", run.loads.iter().map(load)),
         ]
     };
     Chart {

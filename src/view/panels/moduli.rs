@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use super::strain::Strain;
+use super::typical::keep_typical;
 use crate::msg;
 use crate::view::chart::{Chart, Series};
-use crate::view::history::History;
+use crate::view::run::Run;
 use crate::view::scale::Axis;
 use crate::view::unit::Unit;
 
@@ -20,7 +21,10 @@ const MODULI: [(&str, Value); 5] = [
 ];
 
 /// The confining stress is the better abscissa once it changes by this share.
-const TELLING: f64 = 0.2;
+const TELLING: f64 = 0.05;
+
+/// Why a few moduli lie far from all others.
+const WHY: &str = "Where the strain turns or the stress drops, an increment tells no stiffness.";
 
 /// What the moduli depend on most.
 struct Abscissa<'a> {
@@ -29,8 +33,8 @@ struct Abscissa<'a> {
 }
 
 impl<'a> Abscissa<'a> {
-    fn of(history: &History, strain: &'a Strain) -> Self {
-        let known = history.states.iter().map(|state| (state.increment, state.confining_stress));
+    fn of(run: &Run, strain: &'a Strain) -> Self {
+        let known = run.states.iter().map(|state| (state.increment, state.confining_stress));
         let known: BTreeMap<u64, f64> = known.collect();
         let finite = || known.values().copied().filter(|stress| stress.is_finite());
         let low = finite().fold(f64::INFINITY, f64::min);
@@ -57,36 +61,40 @@ impl<'a> Abscissa<'a> {
         }
     }
 
-    fn series(&self, number: usize, name: &str, history: &History, value: Value) -> Series {
+    fn series(&self, number: usize, name: &str, run: &Run, value: Value) -> Series {
         // At the start there was no interval yet.
-        let later = history.moduli.iter().filter(|moduli| moduli.increment > 0);
+        let later = run.moduli.iter().filter(|moduli| moduli.increment > 0);
         Series::new(number, name, later.map(|moduli| [self.at(moduli.increment), value(moduli)]))
     }
 }
 
 /// Those that have the unit of a stress.
-pub(super) fn moduli(history: &History, strain: &Strain) -> Chart {
-    let abscissa = Abscissa::of(history, strain);
+pub(super) fn moduli(run: &Run, strain: &Strain) -> Chart {
+    let abscissa = Abscissa::of(run, strain);
     let line = |(number, (name, value)): (usize, &(&str, Value))| {
-        abscissa.series(number, name, history, *value)
+        abscissa.series(number, name, run, *value)
     };
-    Chart {
+    let mut chart = Chart {
         title: format!("Moduli against {}", abscissa.name()),
         x: abscissa.axis(),
         y: Axis::linear("secant modulus", Unit::Si("Pa")),
         series: MODULI.iter().enumerate().map(line).collect(),
         notes: vec!["Secant over each increment, shown at its end.".into()],
-    }
+    };
+    keep_typical(&mut chart, WHY);
+    chart
 }
 
 /// Poisson's ratio.
-pub(super) fn poisson(history: &History, strain: &Strain) -> Chart {
-    let abscissa = Abscissa::of(history, strain);
-    Chart {
+pub(super) fn poisson(run: &Run, strain: &Strain) -> Chart {
+    let abscissa = Abscissa::of(run, strain);
+    let mut chart = Chart {
         title: format!("Poisson's ratio against {}", abscissa.name()),
         x: abscissa.axis(),
         y: Axis::linear("Poisson's ratio", Unit::None),
-        series: vec![abscissa.series(3, "Poisson's ratio", history, |moduli| moduli.poisson)],
+        series: vec![abscissa.series(3, "", run, |moduli| moduli.poisson)],
         notes: Vec::new(),
-    }
+    };
+    keep_typical(&mut chart, WHY);
+    chart
 }

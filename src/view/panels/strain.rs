@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::view::history::History;
+use crate::view::run::Run;
 use crate::view::scale::Axis;
 use crate::view::unit::Unit;
 
@@ -10,23 +10,37 @@ use crate::view::unit::Unit;
 const AXIAL: usize = 2;
 
 /// Strains that differ less are none.
-const LEAST: f64 = 1e-12;
+pub(super) const LEAST: f64 = 1e-12;
 
 /// The axial strain of each increment.
+#[derive(Clone)]
 pub(super) struct Strain {
     by_increment: BTreeMap<u64, f64>,
     varies: bool,
 }
 
+/// A path turns when it is longer than its ends are apart by this share.
+const TURNING: f64 = 0.05;
+
 impl Strain {
-    pub(super) fn of(history: &History) -> Self {
-        let known = history.states.iter().map(|state| (state.increment, state.strain[AXIAL]));
+    pub(super) fn of(run: &Run) -> Self {
+        let known = run.states.iter().map(|state| (state.increment, state.strain[AXIAL]));
         let by_increment: BTreeMap<u64, f64> = known.collect();
         let finite = || by_increment.values().copied().filter(|strain| strain.is_finite());
         let low = finite().fold(f64::INFINITY, f64::min);
         let high = finite().fold(f64::NEG_INFINITY, f64::max);
         let varies = high - low > LEAST;
         Self { by_increment, varies }
+    }
+
+    /// The same, or the increment when the strain goes back and forth.
+    pub(super) fn or_increment_where_it_turns(&self) -> Self {
+        let strains = self.by_increment.values().copied().filter(|strain| strain.is_finite());
+        let strains: Vec<f64> = strains.collect();
+        let length: f64 = strains.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum();
+        let apart = strains.first().zip(strains.last()).map_or(0.0, |(from, to)| (to - from).abs());
+        let turns = length > (1.0 + TURNING) * apart;
+        Self { varies: self.varies && !turns, ..self.clone() }
     }
 
     pub(super) fn axis(&self) -> Axis {

@@ -1,0 +1,196 @@
+//! The measures of one run.
+
+use crate::msg::{ContactNetwork, Moduli, PackState, WallForces};
+
+/// The measures between two resets of the twin, in the order of the bag. A reset takes the pack
+/// back to the start and counts the increments from 0 again.
+#[derive(Debug, Default)]
+pub struct Run {
+    /// The pack as a whole.
+    pub states: Vec<PackState>,
+    /// The walls.
+    pub walls: Vec<WallForces>,
+    /// The moduli.
+    pub moduli: Vec<Moduli>,
+    /// The forces of the first and of the last contact network, which may be the same.
+    pub networks: Option<[Forces; 2]>,
+    /// What the contacts of each network carry together.
+    pub loads: Vec<Load>,
+}
+
+/// The contact forces of one equilibrium.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Forces {
+    /// The increment.
+    pub increment: u64,
+    /// Normal forces \[N\].
+    pub normal: Vec<f64>,
+    /// Magnitudes of the tangential forces \[N\].
+    pub tangential: Vec<f64>,
+}
+
+/// What all contacts of one equilibrium carry together.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Load {
+    /// The increment.
+    pub increment: u64,
+    /// Sum of the normal forces \[N\].
+    pub normal: f64,
+    /// Sum of the magnitudes of the tangential forces \[N\].
+    pub tangential: f64,
+}
+
+/// A measure of one type, to be put into the run that it belongs to.
+pub(super) enum Measure {
+    State(PackState),
+    Walls(WallForces),
+    Moduli(Moduli),
+    Network(ContactNetwork),
+}
+
+impl Run {
+    /// Whether there is nothing to look at.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The first and the last increment that anything is known of.
+    #[must_use]
+    pub fn increments(&self) -> Option<(u64, u64)> {
+        let states = self.states.iter().map(|state| state.increment);
+        let walls = self.walls.iter().map(|walls| walls.increment);
+        let moduli = self.moduli.iter().map(|moduli| moduli.increment);
+        let networks = self.loads.iter().map(|load| load.increment);
+        let all = states.chain(walls).chain(moduli).chain(networks);
+        all.fold(None, |range, at| {
+            let (first, last) = range.unwrap_or((at, at));
+            Some((first.min(at), last.max(at)))
+        })
+    }
+
+    /// The equilibria that most is known of.
+    pub(super) fn len(&self) -> usize {
+        let measured = self.states.len().max(self.walls.len());
+        measured.max(self.moduli.len()).max(self.loads.len())
+    }
+
+    /// Whether `measure` tells of a later run than the measures of its type so far.
+    pub(super) fn ends_before(&self, measure: &Measure) -> bool {
+        let (last, next, goes_on) = match measure {
+            Measure::State(next) => {
+                (self.states.last().map(|m| m.increment), next.increment, false)
+            }
+            Measure::Walls(next) => (self.walls.last().map(|m| m.increment), next.increment, false),
+            Measure::Moduli(next) => {
+                (self.moduli.last().map(|m| m.increment), next.increment, false)
+            }
+            Measure::Network(next) => {
+                (self.loads.last().map(|m| m.increment), next.increment, next.chunk > 0)
+            }
+        };
+        last.is_some_and(|last| next < last || (next == 0 && last == 0 && !goes_on))
+    }
+
+    pub(super) fn add(&mut self, measure: Measure) {
+        match measure {
+            Measure::State(state) => self.states.push(state),
+            Measure::Walls(walls) => self.walls.push(walls),
+            Measure::Moduli(moduli) => self.moduli.push(moduli),
+            Measure::Network(network) => self.add_network(network),
+        }
+    }
+
+    /// A live network comes in chunks, which follow upon each other.
+    fn add_network(&mut self, network: ContactNetwork) {
+        let size = |force: &[f64]| force.iter().map(|part| part * part).sum::<f64>().sqrt();
+        let tangential = network.tangential_force.chunks_exact(3).map(size).collect();
+        let ContactNetwork { increment, chunk, normal_force: normal, .. } = network;
+        let forces = Forces { increment, normal, tangential };
+        self.add_load(&forces, chunk);
+        let Some([first, last]) = &mut self.networks else {
+            self.networks = Some([forces.clone(), forces]);
+            return;
+        };
+        if chunk == 0 || last.increment != increment {
+            *last = forces;
+        } else {
+            if first == last {
+                first.extend(&forces);
+            }
+            last.extend(&forces);
+        }
+    }
+
+    fn add_load(&mut self, forces: &Forces, chunk: u32) {
+        let increment = forces.increment;
+        let (normal, tangential) = (forces.normal.iter().sum(), forces.tangential.iter().sum());
+        match self.loads.last_mut() {
+            Some(last) if chunk > 0 && last.increment == increment => {
+                last.normal += normal;
+                last.tangential += tangential;
+            }
+            _ => self.loads.push(Load { increment, normal, tangential }),
+        }
+    }
+}
+
+impl Forces {
+    fn extend(&mut self, more: &Self) {
+        self.normal.extend(&more.normal);
+        self.tangential.extend(&more.tangential);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn network(increment: u64, chunk: u32, tangential: [f64; 3]) -> ContactNetwork {
+        ContactNetwork {
+            increment,
+            chunk,
+            chunk_count: 2,
+            normal_force: vec![7.0],
+            tangential_force: tangential.to_vec(),
+            ..ContactNetwork::default()
+        }
+    }
+
+    #[test]
+    fn chunks_of_one_equilibrium_make_one_load_and_one_network() {
+        let mut run = Run::default();
+        run.add_network(network(4, 0, [3.0, 0.0, 4.0]));
+        run.add_network(network(4, 1, [0.0, -2.0, 0.0]));
+        run.add_network(network(5, 0, [0.0; 3]));
+        assert_eq!(
+            run.loads,
+            [
+                Load { increment: 4, normal: 14.0, tangential: 7.0 },
+                Load { increment: 5, normal: 7.0, tangential: 0.0 },
+            ]
+        );
+        let [first, last] = run.networks.unwrap_or_default();
+        assert_eq!((first.normal, first.tangential), (vec![7.0; 2], vec![5.0, 2.0]));
+        assert_eq!((last.normal, last.tangential), (vec![7.0], vec![0.0]));
+    }
+
+    #[test]
+    fn a_second_start_is_another_run_and_a_second_chunk_is_not() {
+        let mut run = Run::default();
+        let start = || Measure::State(PackState::default());
+        assert!(!run.ends_before(&start()));
+        run.add(start());
+        assert!(run.ends_before(&start()));
+        run.add(Measure::Network(network(0, 0, [0.0; 3])));
+        assert!(!run.ends_before(&Measure::Network(network(0, 1, [0.0; 3]))));
+        assert!(run.ends_before(&Measure::Network(network(0, 0, [0.0; 3]))));
+        run.add(Measure::State(PackState { increment: 3, ..PackState::default() }));
+        assert!(
+            run.ends_before(&Measure::State(PackState { increment: 2, ..PackState::default() }))
+        );
+        assert!(
+            !run.ends_before(&Measure::State(PackState { increment: 7, ..PackState::default() }))
+        );
+    }
+}
