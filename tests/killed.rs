@@ -8,7 +8,6 @@ mod bead;
 #[path = "common/python.rs"]
 mod python;
 
-use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::thread::sleep;
