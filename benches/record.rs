@@ -20,7 +20,7 @@ use graintwin::twin::Twin;
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
-const ROUNDS: usize = 7;
+const ROUNDS: usize = 5;
 const INCREMENTS: u64 = 100;
 const STEPS_UP: u64 = 10;
 /// Of each increment.
