@@ -17,6 +17,7 @@ use graintwin::report::Demand;
 use graintwin::scene::{self, Compression, Record, Scene, Split};
 use graintwin::sink::{Served, Sink};
 use graintwin::twin::Twin;
+use graintwin::view::picture::Painter;
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
@@ -27,7 +28,7 @@ const STEPS_UP: u64 = 10;
 const STRAIN: f64 = 1e-4;
 
 /// What the summary of a run wants when nobody records.
-const SUMMARY: Demand = Demand { contact_network: false, ..Demand::ALL };
+const SUMMARY: Demand = Demand { contact_network: false, grains: false, ..Demand::ALL };
 
 fn main() -> Result<()> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -45,7 +46,10 @@ fn main() -> Result<()> {
 fn kinds() -> Vec<(&'static str, Option<Record>)> {
     let zstd = |level| Record { level: Some(level), ..Record::default() };
     let packed = |compression| Record { compression, ..Record::default() };
-    let exclude = vec!["contact_network".into()];
+    let without = |topics: &[&str]| Record {
+        exclude: topics.iter().map(|&topic| topic.into()).collect(),
+        ..Record::default()
+    };
     let split = Split { size: Some(8 << 20), duration: None };
     vec![
         ("no recorder", None),
@@ -55,7 +59,9 @@ fn kinds() -> Vec<(&'static str, Option<Record>)> {
         ("zstd, level 9", Some(zstd(9))),
         ("lz4", Some(packed(Compression::Lz4))),
         ("none", Some(packed(Compression::None))),
-        ("zstd, no networks", Some(Record { exclude, ..Record::default() })),
+        ("zstd, no pictures", Some(without(&["grains", "markers"]))),
+        ("zstd, no networks", Some(without(&["contact_network"]))),
+        ("zstd, neither", Some(without(&["contact_network", "grains", "markers"]))),
     ]
 }
 
@@ -96,25 +102,22 @@ fn run(
     let start = Instant::now();
     let mut recorder = match settings {
         Some(settings) => {
-            Some(Recorder::create(&parent.path().join("run"), settings, &provenance(threads))?)
+            let made = provenance(scene, pack, threads);
+            Some(Recorder::create(&parent.path().join("run"), settings, &made)?)
         }
         None => None,
     };
-    let demand = recorder.as_ref().map_or(SUMMARY, |recorder| Demand {
-        contact_network: recorder.demand().contact_network,
-        ..SUMMARY
-    });
-    let mut hand_over = |command, report| {
-        let served = Arc::new(Served { command, report });
+    for sequence in 0..=INCREMENTS {
+        // What it wants differs from increment to increment.
+        let demand = recorder.as_ref().map_or(SUMMARY, |recorder| recorder.demand().or(SUMMARY));
+        let command = (sequence > 0).then(|| command(sequence, pack.bounds.sides()[2]));
+        let report = match &command {
+            None => twin.start(demand),
+            Some(command) => twin.apply(command, demand),
+        };
         if let Some(recorder) = &mut recorder {
-            recorder.served(&served);
+            recorder.served(&Arc::new(Served { command, report }));
         }
-    };
-    hand_over(None, twin.start(demand));
-    for sequence in 1..=INCREMENTS {
-        let command = command(sequence, pack.bounds.sides()[2]);
-        let report = twin.apply(&command, demand);
-        hand_over(Some(command), report);
     }
     let size = recorder.map(Recorder::finish).transpose()?.map_or(0, |recorded| recorded.bytes);
     Ok((start.elapsed(), size))
@@ -135,7 +138,7 @@ fn command(sequence: u64, height: f64) -> Command {
     }
 }
 
-fn provenance(threads: usize) -> Provenance {
+fn provenance(scene: &Scene, pack: &Pack, threads: usize) -> Provenance {
     Provenance {
         scene: String::new(),
         pack_csv: Vec::new(),
@@ -143,6 +146,7 @@ fn provenance(threads: usize) -> Provenance {
         pack_history: None,
         threads,
         seed: 1,
+        painter: Some(Painter::new(scene, &pack.bounds)),
     }
 }
 
