@@ -60,8 +60,7 @@ fn kinds() -> Vec<(&'static str, Option<Record>)> {
         ("lz4", Some(packed(Compression::Lz4))),
         ("none", Some(packed(Compression::None))),
         ("zstd, no pictures", Some(without(&["grains", "markers"]))),
-        ("zstd, no pictures", Some(Record { exclude: pictures(), ..Record::default() })),
-        ("neither, nor networks", Some(without(&["contact_network"]))),
+        ("zstd, no networks", Some(without(&["contact_network"]))),
         ("zstd, neither", Some(without(&["contact_network", "grains", "markers"]))),
     ]
 }
