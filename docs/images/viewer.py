@@ -20,6 +20,7 @@ from pathlib import Path
 import numpy
 import rerun
 import rerun.blueprint as layout
+from PIL import Image
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
@@ -174,6 +175,10 @@ def photograph(recording, out):
     done = subprocess.run(command, timeout=PATIENCE_SECONDS, capture_output=True, text=True)
     if not Path(out).exists():
         sys.exit(f"the viewer drew nothing: {done.stderr}")
+    # It draws two dots a pixel; a page needs one, and few colours.
+    with Image.open(out) as drawn:
+        small = drawn.convert("RGB").resize(SIZE, Image.Resampling.LANCZOS)
+    small.quantize(256, dither=Image.Dither.NONE).save(out, optimize=True)
 
 
 def main():

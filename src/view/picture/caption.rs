@@ -9,6 +9,9 @@ use crate::view::Unit;
 /// Height of the letters over the largest side of the box.
 const LETTERS: f64 = 0.04;
 
+/// Strains below are those of rounding.
+const ROUNDING: f64 = 1e-12;
+
 /// Seen on black and on white.
 const COLOR: ColorRGBA = ColorRGBA { r: 0.5, g: 0.5, b: 0.5, a: 1.0 };
 
@@ -28,11 +31,13 @@ pub(super) fn caption(canvas: &Canvas, name: &str, measures: &Measures) -> Marke
 fn text(name: &str, measures: &Measures, scale: f64) -> String {
     let mut text = format!("{name}, increment {}", measures.increment);
     if let Some(state) = &measures.state {
-        let volume = state.strain.iter().map(|strain| 1.0 - strain).product::<f64>();
+        let loss = 1.0 - state.strain.iter().map(|strain| 1.0 - strain).product::<f64>();
+        // A constant volume is one to rounding.
+        let loss = if loss.abs() < ROUNDING { 0.0 } else { loss };
         text.push_str(&format!(
             ", axial strain {}, volumetric {}, confining stress {}, deviatoric {}",
             quantity(state.strain[2], Unit::Strain),
-            quantity(1.0 - volume, Unit::Strain),
+            quantity(loss, Unit::Strain),
             quantity(state.confining_stress, Unit::Si("Pa")),
             quantity(state.deviatoric_stress, Unit::Si("Pa")),
         ));
