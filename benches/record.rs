@@ -56,6 +56,7 @@ fn record(
         pack_history: None,
         threads: 1,
         seed: 1,
+        painter: None,
     };
     let mut recorder = Recorder::create(&parent.path().join("bag"), settings, &provenance)?;
     let mut times = Vec::new();
@@ -89,6 +90,7 @@ fn answer((network, increment): (ContactNetwork, u64)) -> Arc<Served> {
             s_speed: f64::NAN,
         }),
         network: Some(network),
+        grains: None,
     };
     let report = Report {
         stamp: measures.stamp,

@@ -16,6 +16,7 @@ pub mod diagnostics;
 #[cfg(feature = "mcap")]
 pub mod fields;
 pub mod graintwin;
+pub mod picture;
 pub mod rcl;
 pub mod schema;
 pub mod services;
@@ -28,6 +29,7 @@ pub use graintwin::{
     BoundaryCommand, Circumstance, ContactNetwork, Discrepancy, Event, Moduli, PackState, Report,
     WallForces, WallTargets,
 };
+pub use picture::{Marker, MarkerArray, PointCloud2};
 pub use schema::{Described, MessageType};
 pub use standard::{
     Clock, Duration, Header, JointState, JointTrajectory, JointTrajectoryPoint, Time, Vector3,

@@ -7,6 +7,7 @@
 //! topic -> receive task -> bounded queue -> solver's thread -> queue -> outbox task -> topics
 //!                                                                          |
 //!                                                                    frames task -> contact network
+//!                                                                    easel -> pictures
 //! ```
 //!
 //! Requests of the services go the way of the commands, and their responses back from the solver's
@@ -14,8 +15,8 @@
 //! tasks that receive it.
 //!
 //! The tasks run on two threads of the node's own. Commands are never dropped on their way to the
-//! solver; messages are never dropped on their way out, except contact networks, of which only as
-//! many go out as the network carries. The solver's thread waits for commands and for nothing
+//! solver; messages are never dropped on their way out, except contact networks and pictures, of
+//! which only as many go out as the network carries. The solver's thread waits for commands and for nothing
 //! else.
 //!
 //! ```no_run
@@ -51,13 +52,14 @@ mod names;
 mod outbox;
 pub mod parameters;
 mod participant;
+mod pictures;
 pub mod rig;
 pub mod rosout;
 mod services;
 mod strangers;
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
 use clock::Clock;
@@ -79,6 +81,7 @@ pub use outbox::NodeSink;
 use outbox::{Item, Outbox};
 use parameters::Parameters;
 use parameters::services::Services as ParameterServices;
+use pictures::Easel;
 
 use rosout::{Records, Rosout};
 
@@ -87,6 +90,7 @@ use crate::command::request::Intake;
 use crate::msg::{JointState, JointTrajectory};
 use crate::scene::{self, Outputs};
 use crate::sink::{Beside, Recording};
+use crate::view::picture::Painter;
 
 /// Log directives for the middleware, to go before those of the user. At WARN it tells, on a
 /// machine where loopback has no multicast, of every message that it then sends another way; the
@@ -164,6 +168,8 @@ pub struct Setup {
     pub parameters: Option<Parameters>,
     /// What goes to `/rosout`; without it nothing does.
     pub log: Option<Records>,
+    /// Who draws for `grains` and `markers`; without one nothing is published there.
+    pub painter: Option<Painter>,
 }
 
 /// The running node. [`Node::stop`] ends it in order; dropping it ends it at once.
@@ -178,6 +184,7 @@ pub struct Node {
     /// Knows how many commands wait, without keeping their queue open.
     queue: mpsc::WeakSender<Intake>,
     outputs: Outputs,
+    draws: bool,
     stop: Arc<AtomicBool>,
     tasks: Vec<JoinHandle<()>>,
     spinner: JoinHandle<()>,
@@ -201,7 +208,7 @@ impl Node {
         outputs: &Outputs,
         stop: &Arc<AtomicBool>,
     ) -> Result<Self, NodeError> {
-        let Setup { identity, parameters, log } = setup;
+        let Setup { identity, parameters, log, painter } = setup;
         let (context, undone) = participant::join(options)?;
         let (mut ros_node, spinner) = create(&context, identity.namespace(), identity.name())?;
         let log = match log {
@@ -246,10 +253,16 @@ impl Node {
         let (frames_in, frames_out) = mpsc::unbounded_channel();
         let pacing =
             runtime.spawn(frames::send(frames_out, Arc::clone(&endpoints), Arc::clone(&counters)));
+        let easel = Arc::new(Easel::new(Arc::clone(&counters)));
+        let draws = painter.is_some();
+        tasks.extend(painter.map(|painter| {
+            runtime.spawn(pictures::send(Arc::clone(&easel), painter, Arc::clone(&endpoints)))
+        }));
         let (outbox_in, outbox_out) = mpsc::unbounded_channel();
         let outbox = Outbox {
             endpoints: Arc::clone(&endpoints),
             frames: frames_in,
+            easel,
             counters: Arc::clone(&counters),
         };
         let publishing = runtime.spawn(outbox.run(outbox_out));
@@ -286,6 +299,7 @@ impl Node {
             clock,
             queue: waiting,
             outputs: *outputs,
+            draws,
             stop: Arc::clone(stop),
             tasks,
             spinner,
@@ -303,7 +317,7 @@ impl Node {
             &self.endpoints,
             Arc::clone(&self.counters),
             self.comparison.clone(),
-            self.outputs,
+            (self.outputs, self.draws),
         )
     }
 
@@ -370,6 +384,13 @@ impl Node {
                  twin",
                 summary.frames_skipped,
                 summary.frames
+            );
+        }
+        if summary.pictures_skipped > 0 {
+            tracing::info!(
+                "{} pictures were not published, {} were: the network is slower than the twin",
+                summary.pictures_skipped,
+                summary.pictures
             );
         }
         summary
@@ -444,9 +465,12 @@ async fn drained(outbox: &mpsc::UnboundedSender<Item>, counters: &Counters) {
         // An error says that the outbox is gone: there is nothing to wait for.
         flushed.await.ok();
     }
-    while counters.frames_queued.load(Ordering::Relaxed)
-        > counters.frames_done.load(Ordering::Relaxed)
-        || counters.asked.load(Ordering::Relaxed) > counters.answered.load(Ordering::Relaxed)
+    let under_way = |queued: &AtomicU64, done: &AtomicU64| {
+        queued.load(Ordering::Relaxed) > done.load(Ordering::Relaxed)
+    };
+    while under_way(&counters.frames_queued, &counters.frames_done)
+        || under_way(&counters.pictures_queued, &counters.pictures_done)
+        || under_way(&counters.asked, &counters.answered)
     {
         sleep(LOOK).await;
     }

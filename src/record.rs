@@ -50,6 +50,7 @@ use crate::msg::topics;
 use crate::report::Demand;
 use crate::scene;
 use crate::sink::{Served, Sink};
+use crate::view::picture::Painter;
 
 use bag::{BagError, BagWriter, Making};
 pub use beside::RecorderHandle;
@@ -92,6 +93,8 @@ pub struct Provenance {
     pub threads: usize,
     /// Seed of the pack.
     pub seed: u64,
+    /// Who draws the pictures; without one none are recorded.
+    pub painter: Option<Painter>,
 }
 
 /// What a run came to.
@@ -309,8 +312,11 @@ impl Drop for Recorder {
 /// What must be measured for the topics that are recorded.
 fn demand(settings: &scene::Record) -> Demand {
     let mut demand = Demand::ALL;
-    demand.state = settings.takes(&topics::STATE);
+    // Markers show the state and the contacts.
+    let marked = settings.takes(&topics::MARKERS);
+    demand.state = marked || settings.takes(&topics::STATE);
     demand.moduli = settings.takes(&topics::MODULI);
-    demand.contact_network = settings.takes(&topics::CONTACT_NETWORK);
+    demand.contact_network = marked || settings.takes(&topics::CONTACT_NETWORK);
+    demand.grains = marked || settings.takes(&topics::GRAINS);
     demand
 }

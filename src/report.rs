@@ -14,11 +14,13 @@ pub struct Demand {
     pub moduli: bool,
     /// Every contact: [`ContactNetwork`].
     pub contact_network: bool,
+    /// Every grain: [`Grains`].
+    pub grains: bool,
 }
 
 impl Demand {
     /// Everything.
-    pub const ALL: Self = Self { state: true, moduli: true, contact_network: true };
+    pub const ALL: Self = Self { state: true, moduli: true, contact_network: true, grains: true };
 
     /// What this or the `other` wants.
     #[must_use]
@@ -27,6 +29,7 @@ impl Demand {
             state: self.state || other.state,
             moduli: self.moduli || other.moduli,
             contact_network: self.contact_network || other.contact_network,
+            grains: self.grains || other.grains,
         }
     }
 }
@@ -73,6 +76,8 @@ pub struct Measures {
     pub moduli: Option<Moduli>,
     /// Present when [`Demand::contact_network`] was set.
     pub network: Option<ContactNetwork>,
+    /// Present when [`Demand::grains`] was set.
+    pub grains: Option<Grains>,
 }
 
 /// What kind of event, as `graintwin_msgs/Event` numbers it.
@@ -232,4 +237,17 @@ pub struct ContactNetwork {
     pub overlap: Vec<f64>,
     /// [`ContactState`] as a number.
     pub state: Vec<u8>,
+}
+
+/// Every grain, in the order of the pack file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Grains {
+    /// Centre \[m\].
+    pub position: Vec<[f64; 3]>,
+    /// Radius \[m\].
+    pub radius: Vec<f64>,
+    /// Mean pressure \[Pa\]: a third of the trace of the grain's Love-Weber stress.
+    pub pressure: Vec<f64>,
+    /// Way of the centre since the start of the run, from where the pack as given had it \[m\].
+    pub displacement: Vec<[f64; 3]>,
 }

@@ -5,6 +5,7 @@
 //! folder. Lengths are in m, moduli and stresses in Pa, compression is positive.
 
 mod check;
+mod choice;
 mod contact;
 mod error;
 mod load;
@@ -22,6 +23,7 @@ mod syntax;
 mod targets;
 mod tree;
 mod unavailable;
+mod view;
 mod walls;
 
 use std::collections::BTreeMap;
@@ -31,6 +33,7 @@ use serde::{Deserialize, Serialize};
 use crate::wall::Bounds;
 
 use check::{Field, Problems};
+pub use choice::Choice;
 pub use contact::{Contact, Coulomb, Friction, Law, Normal, Update};
 pub use error::{Problem, SceneError};
 pub use load::{Loaded, load, parse};
@@ -44,12 +47,13 @@ pub use node::{
     Discovery, Fault, Joint, JointStates, JointTrajectory, Late, Limits, Node, ServiceMapping,
     WallName, Zero,
 };
-pub use outputs::{Markers, ModuliKind, Outputs, When};
+pub use outputs::{ModuliKind, Outputs, When};
 pub use pack::{Generate, PackSource, Radius};
 pub use record::{Compression, OnFailure, Record, Split, Topics};
 pub use rig_log::{Lateral, RigLog, StrainUnit};
 pub use solver::{MAX_STRAIN_INCREMENT, Method, Solver, TOLERANCE};
 pub use targets::Targets;
+pub use view::{ColorBy, VIEW_SCALE, View};
 pub use walls::Walls;
 
 /// A whole scene.
@@ -95,6 +99,9 @@ pub struct Scene {
     /// The recorder.
     #[serde(default)]
     pub record: Record,
+    /// The pictures for viewers.
+    #[serde(default)]
+    pub view: View,
 }
 
 fn default_name() -> String {
@@ -140,5 +147,6 @@ impl Scene {
         self.load_path.check(&at.key("load_path"), problems);
         self.node.check(&at.key("node"), problems);
         self.record.check(&at.key("record"), problems);
+        self.view.check(&at.key("view"), problems);
     }
 }

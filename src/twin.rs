@@ -11,7 +11,7 @@ use crate::command::gate::{Decision, Gate, Order, join};
 use crate::command::{Command, Disposition, Stamp};
 use crate::measure::contacts::Contacts;
 use crate::measure::coordination::{self, Histograms};
-use crate::measure::{moduli, network, porosity, stress, walls};
+use crate::measure::{grains, moduli, network, porosity, stress, walls};
 use crate::model::{Model, sphere_volume};
 use crate::pack::{Grain, History, Pack};
 use crate::relax::advance::Advance;
@@ -328,6 +328,7 @@ impl Twin {
             let density = mass / bounds.volume();
             moduli::secant(change(normal, before.0), change(strain, before.1), density)
         });
+        let grains = demand.grains.then(|| grains::grains(model, state, &contacts.list));
         let state = demand.state.then(|| {
             let numbers = coordination::numbers(model, contacts.counted());
             let love_weber = stress::from_contacts(&contacts.list, &bounds);
@@ -379,6 +380,7 @@ impl Twin {
             network: demand
                 .contact_network
                 .then(|| network::network(&self.model, contacts.counted())),
+            grains,
         }
     }
 

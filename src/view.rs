@@ -1,3 +1,5 @@
+//! Pictures of an increment for viewers ([`picture`]), and charts.
+//!
 //! Charts of a recording and of a bench, written as SVG and PNG.
 //!
 //! [`Chart`] holds what is to be seen, [`Sheet`] lays charts out on a white card and writes them.
@@ -13,6 +15,7 @@ mod history;
 mod layout;
 #[cfg(feature = "mcap")]
 mod panels;
+pub mod picture;
 mod precision;
 #[cfg(feature = "png")]
 mod raster;

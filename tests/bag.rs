@@ -88,7 +88,7 @@ fn expected(served: &Served) -> Vec<Value> {
     messages
 }
 
-/// The frames of the walls, from where the walls are.
+/// The frames: two roots, and the walls where they are.
 fn expected_frames(measures: &Measures) -> Value {
     let [x_min, x_max, y_min, y_max, z_min, z_max] = measures.walls.position;
     let (x, y, z) = (0.5 * (x_min + x_max), 0.5 * (y_min + y_max), 0.5 * (z_min + z_max));
@@ -104,7 +104,18 @@ fn expected_frames(measures: &Measures) -> Value {
             },
         })
     });
-    json!({"topic": "/tf_static", "fields": {"transforms": transforms.collect::<Vec<_>>()}})
+    let roots = ["pack", "pack_view"].map(|name| {
+        json!({
+            "header": header(measures.stamp, "world"),
+            "child_frame_id": name,
+            "transform": {
+                "translation": [0.0, 0.0, 0.0],
+                "rotation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0},
+            },
+        })
+    });
+    let transforms: Vec<_> = roots.into_iter().chain(transforms).collect();
+    json!({"topic": "/tf_static", "fields": {"transforms": transforms}})
 }
 
 fn expected_measures(measures: &Measures) -> Vec<Value> {
@@ -226,6 +237,8 @@ fn two_independent_readers_find_every_field_of_every_message() {
             "/graintwin/contact_network",
             "/graintwin/discrepancy",
             "/graintwin/events",
+            "/graintwin/grains",
+            "/graintwin/markers",
             "/graintwin/measured_wrench/x_max",
             "/graintwin/measured_wrench/x_min",
             "/graintwin/measured_wrench/y_max",

@@ -10,6 +10,10 @@ use std::fmt::Debug;
 use std::path::Path;
 
 use graintwin::msg::cdr::{self, CdrError};
+use graintwin::msg::picture::{
+    ColorRGBA, CompressedImage, Marker, MarkerArray, MeshFile, Point, PointCloud2, PointField,
+    Pose, UVCoordinate,
+};
 use graintwin::msg::{
     BoundaryCommand, Circumstance, Clock, ContactNetwork, Described, DiagnosticArray,
     DiagnosticStatus, Discrepancy, Duration, Event, Header, JointState, JointTrajectory,
@@ -198,6 +202,54 @@ fn frames(count: usize) -> TFMessage {
     TFMessage { transforms: vec![frame; count] }
 }
 
+fn cloud(points: u8) -> PointCloud2 {
+    let field =
+        |name: &str, datatype| PointField { name: name.into(), offset: 4, datatype, count: 1 };
+    PointCloud2 {
+        header: header("pack_view"),
+        height: 1,
+        width: points.into(),
+        fields: vec![field("x", PointField::FLOAT32), field("id", PointField::UINT32)],
+        is_bigendian: true,
+        point_step: 3,
+        row_step: 3 * u32::from(points),
+        data: (0..3 * points).collect(),
+        is_dense: true,
+    }
+}
+
+/// Every field set, those too that graintwin leaves empty.
+fn marker(points: u8) -> Marker {
+    let color = ColorRGBA { r: 0.25, g: 0.5, b: 0.75, a: 1.0 };
+    let point = Point { x: 0.1, y: -2.0, z: 3e-9 };
+    let orientation = Quaternion { x: 0.1, y: 0.2, z: 0.3, w: 0.4 };
+    Marker {
+        header: header("pack_view"),
+        ns: "spheres".into(),
+        id: -3,
+        r#type: Marker::SPHERE_LIST,
+        action: Marker::DELETE,
+        pose: Pose { position: point, orientation },
+        scale: vector(1.0),
+        color,
+        lifetime: Duration { sec: -1, nanosec: 7 },
+        frame_locked: true,
+        points: vec![point; points.into()],
+        colors: vec![color; points.into()],
+        texture_resource: "a".into(),
+        texture: CompressedImage {
+            header: header("image"),
+            format: "png".into(),
+            data: (0..points).collect(),
+        },
+        uv_coordinates: vec![UVCoordinate { u: 0.5, v: 0.125 }; points.into()],
+        text: "σ = 1 MPa".into(),
+        mesh_resource: "b".into(),
+        mesh_file: MeshFile { filename: "c".into(), data: (0..points).collect() },
+        mesh_use_embedded_materials: true,
+    }
+}
+
 /// Holds one answer of the peer against the message it is about.
 type Check = Box<dyn Fn(&Value)>;
 
@@ -287,6 +339,13 @@ fn bytes_hashes_and_definitions_are_those_of_an_independent_implementation() {
         exchange.add(diagnostics(count));
         exchange.add(frames(count));
     }
+    for points in [0, 1, 5] {
+        exchange.add(cloud(points));
+        exchange.add(marker(points));
+        exchange.add(MarkerArray { markers: vec![marker(points); points.into()] });
+    }
+    exchange.add(Marker::default());
+    exchange.add(Pose::default());
     exchange.add(KeyValue { key: "größe".into(), value: String::new() });
     exchange.add(Transform::default());
     exchange.add(Quaternion { x: 0.5, y: -0.5, z: 0.1, w: 0.7 });

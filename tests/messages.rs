@@ -10,6 +10,10 @@ use std::path::Path;
 use graintwin::command::{Ask, Command, Disposition, Mode, Stamp};
 use graintwin::measure::discrepancy;
 use graintwin::msg::convert::{self, CommandMessage, LIVE_CHUNK};
+use graintwin::msg::picture::{
+    ColorRGBA, CompressedImage, Marker, MarkerArray, MeshFile, Point, PointCloud2, PointField,
+    Pose, UVCoordinate,
+};
 use graintwin::msg::rcl::{Log, Parameter, ParameterEvent, ParameterValue};
 use graintwin::msg::services::{SavePack, Service, SetBool, Trigger};
 use graintwin::msg::{
@@ -101,6 +105,16 @@ fn every_struct_has_the_fields_of_its_text() {
     assert_same_fields::<Transform>();
     assert_same_fields::<TransformStamped>();
     assert_same_fields::<TFMessage>();
+    assert_same_fields::<Point>();
+    assert_same_fields::<Pose>();
+    assert_same_fields::<ColorRGBA>();
+    assert_same_fields::<PointField>();
+    assert_same_fields::<PointCloud2>();
+    assert_same_fields::<CompressedImage>();
+    assert_same_fields::<UVCoordinate>();
+    assert_same_fields::<MeshFile>();
+    assert_same_fields::<Marker>();
+    assert_same_fields::<MarkerArray>();
     assert_same_fields::<ParameterValue>();
     assert_same_fields::<Parameter>();
     assert_same_fields::<ParameterEvent>();
@@ -222,6 +236,24 @@ fn modes_and_contact_states_have_the_numbers_of_their_messages() {
 }
 
 #[test]
+fn types_and_actions_of_pictures_have_the_numbers_of_their_messages() {
+    let fields = [("UINT32".into(), PointField::UINT32), ("FLOAT32".into(), PointField::FLOAT32)];
+    assert_eq!(fields.to_vec(), constants::<PointField>()[5..7]);
+    let markers = constants::<Marker>();
+    for (name, number) in [
+        ("CUBE", Marker::CUBE),
+        ("LINE_LIST", Marker::LINE_LIST),
+        ("SPHERE_LIST", Marker::SPHERE_LIST),
+        ("TEXT_VIEW_FACING", Marker::TEXT_VIEW_FACING),
+        ("ADD", Marker::ADD),
+        ("DELETE", Marker::DELETE),
+    ] {
+        let told = markers.iter().find(|(told, _)| told == name).unwrap();
+        assert_eq!(i32::from(told.1), number, "{name}");
+    }
+}
+
+#[test]
 fn a_definition_names_every_part_once_and_depth_first() {
     let rule = "=".repeat(80);
     let expected = format!(
@@ -300,6 +332,7 @@ fn measures(contacts: u32) -> Measures {
             overlap: singles(4.0),
             state: (0..contacts).map(|i| (i % 2) as u8).collect(),
         }),
+        grains: None,
     }
 }
 
@@ -371,6 +404,11 @@ fn the_frame_of_a_wall_stands_at_its_centre_with_the_axes_of_the_pack() {
         [1.0, 0.0, -4.0],
         [1.0, 0.0, 4.0],
     ];
+    let (roots, frames) = frames.split_at(2);
+    for (root, name) in roots.iter().zip(["pack", "pack_view"]) {
+        assert_eq!((&*root.header.frame_id, &*root.child_frame_id), ("world", name));
+        assert_eq!(root.transform, Transform::default());
+    }
     assert_eq!(frames.len(), origins.len());
     for ((frame, origin), name) in frames.iter().zip(origins).zip(wall::NAMES) {
         assert_eq!(frame.header.frame_id, "pack");

@@ -67,6 +67,7 @@ load_path:
   - rig_log: {file: a.csv, time: t, axial_strain: e, unit: percent}
 outputs: {contact_network: always, markers: never, moduli: none}
 record: {chunk: 4 MiB, compression: lz4}
+view: {scale: 1e3, color: displacement, range: [0, 1e-6], opacity: 0.5, every: 3}
 ";
 
 proptest! {

@@ -18,6 +18,7 @@ use graintwin::report::{Demand, Report};
 use graintwin::scene::{self, Record, Scene};
 use graintwin::sink::{Served, Sink};
 use graintwin::twin::Twin;
+use graintwin::view::picture::Painter;
 use packs::made;
 use serde_json::Value;
 
@@ -113,6 +114,7 @@ fn altered(folder: &Path, change: fn(&mut Report)) -> Value {
         pack_history: None,
         threads: 1,
         seed: 3,
+        painter: Some(Painter::new(&scene, &pack.bounds)),
     };
     let mut recorder =
         Recorder::create(&folder.join("bag"), &Record::default(), &provenance).unwrap();
@@ -144,7 +146,7 @@ fn altered(folder: &Path, change: fn(&mut Report)) -> Value {
 #[test]
 fn one_bit_in_one_field_is_found_and_named() {
     type Case = (fn(&mut Report), &'static str, &'static str);
-    let cases: [Case; 6] = [
+    let cases: [Case; 7] = [
         (
             |report| {
                 let force = &mut report.measures.as_mut().unwrap().walls.normal_force[5];
@@ -177,6 +179,14 @@ fn one_bit_in_one_field_is_found_and_named() {
             },
             "contact_network",
             "state[",
+        ),
+        (
+            |report| {
+                let grains = report.measures.as_mut().unwrap().grains.as_mut().unwrap();
+                grains.pressure[3] *= 1.5;
+            },
+            "grains",
+            "data[",
         ),
         (|report| report.substeps += 1, "report", "substeps"),
         (|report| report.text = "said otherwise".into(), "report", "text"),

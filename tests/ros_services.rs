@@ -345,8 +345,13 @@ fn a_peer_that_comes_late_gets_the_frames_of_the_walls_and_the_diagnostics_of_ev
             assert_eq!(frames.len(), 1);
             let frames = frames[0]["transforms"].as_array().unwrap();
             let position = outcome.served[0].report.measures.as_ref().unwrap().walls.position;
+            for (frame, name) in frames.iter().zip(["pack", "pack_view"]) {
+                assert_eq!(frame["header"]["frame_id"], "world");
+                assert_eq!(frame["child_frame_id"], name);
+            }
             for (wall, name) in wall::NAMES.iter().enumerate() {
-                let frame = &frames[wall];
+                // Behind the two frames of the pack.
+                let frame = &frames[2 + wall];
                 assert_eq!(frame["header"]["frame_id"], "pack");
                 assert_eq!(frame["child_frame_id"], format!("wall_{name}"));
                 let axis = ["x", "y", "z"][wall / 2];

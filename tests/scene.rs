@@ -5,8 +5,8 @@ use std::fs;
 use std::path::Path;
 
 use graintwin::scene::{
-    self, Coulomb, Discovery, Fault, Friction, Joint, Late, Lateral, Law, Limits, Scene,
-    SceneError, Step, StrainUnit, Update, WallName, When, Zero, prepare,
+    self, Choice, ColorBy, Coulomb, Discovery, Fault, Friction, Joint, Late, Lateral, Law, Limits,
+    Scene, SceneError, Step, StrainUnit, Update, WallName, When, Zero, prepare,
 };
 
 fn parse(text: &str) -> Result<Scene, SceneError> {
@@ -126,10 +126,36 @@ fn a_load_path_is_a_list_of_steps_or_one_step_alone() {
 }
 
 #[test]
-fn pictures_that_nothing_publishes_yet_may_be_ordered_on_demand_or_never() {
-    for word in ["on_demand", "never"] {
+fn every_key_of_the_view_has_a_default_and_some_can_be_left_to_the_program() {
+    let view = |text: &str| parse(&format!("{PACK}{text}")).unwrap().view;
+    let plain = view("");
+    assert_eq!((plain.scale, plain.range, plain.every), (Choice::Auto, Choice::Auto, Choice::Auto));
+    assert_eq!(view("view: {scale: auto, color: force, range: auto, every: auto}"), plain);
+    let given = view("view: {scale: 500, color: displacement, range: [0, 1e-6], every: 7}");
+    assert_eq!(given.scale, Choice::Given(500.0));
+    assert_eq!(given.color, ColorBy::Displacement);
+    assert_eq!(given.range, Choice::Given([0.0, 1e-6]));
+    assert_eq!(given.every, Choice::Given(7));
+    for word in ["always", "on_demand", "never"] {
         parse(&format!("{PACK}outputs: {{markers: {word}}}")).unwrap();
     }
+}
+
+#[test]
+fn a_view_that_cannot_be_drawn_is_refused_with_what_is_allowed() {
+    refused(&behind_pack(&[
+        ("view: {scale: big}", "2:15: view.scale: `big` is no number; allowed: auto, or numbers"),
+        ("view: {scale: 0}", "2:15: view.scale: 0.0 is outside 0 < scale <= 1e12, or auto"),
+        ("view: {scale: .inf}", "2:15: view.scale: inf is not a finite number"),
+        ("view: {range: 3}", "2:15: view.range: "),
+        ("view: {range: [1, 1]}", "view.range[1]: 1.0 is outside high > low = 1.0"),
+        ("view: {range: [1, 2, 3]}", "2:15: view.range: "),
+        ("view: {opacity: 0}", "2:17: view.opacity: 0.0 is outside 0 < opacity <= 1"),
+        ("view: {every: 0}", "2:15: view.every: 0 is outside 1 to 1000000000"),
+        ("view: {every: 1.5}", "2:15: view.every: "),
+        ("view: {color: red}", "2:15: view.color: unknown variant `red`, expected"),
+        ("view: {colour: force}", "2:8: view.colour: unknown field `colour`"),
+    ]));
 }
 
 /// The friction of a scene with `contact`.
@@ -627,10 +653,6 @@ fn what_this_version_cannot_do_is_said_so() {
         ("contact: {normal: {linear: {stiffness: 1}}}", cement),
         ("outputs: {moduli: tangent}", tangent),
         ("outputs: {moduli: both}", tangent),
-        (
-            "outputs: {markers: always}",
-            "2:20: outputs.markers: this version publishes no markers; allowed: on_demand, never",
-        ),
     ]));
 }
 

@@ -5,11 +5,12 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use graintwin::scene::{
-    self, Axis, Compression, Contact, Coulomb, Discovery, Fault, Friction, Generate, Isotropic,
-    Joint, JointStates, JointTrajectory, Late, Lateral, Law, Limits, LoadPath, Markers, Material,
-    MeasuredWrench, Method, ModuliKind, Moving, Node, Normal, Outputs, PackSource, Polyaxial,
-    Radius, Record, Repeat, RigLog, Scene, ServiceMapping, Solver, Step, StrainUnit, Targets,
-    Triaxial, Uniaxial, Unload, Update, WallName, Walls, WallsStep, When, Zero, prepare,
+    self, Axis, Choice, ColorBy, Compression, Contact, Coulomb, Discovery, Fault, Friction,
+    Generate, Isotropic, Joint, JointStates, JointTrajectory, Late, Lateral, Law, Limits, LoadPath,
+    Material, MeasuredWrench, Method, ModuliKind, Moving, Node, Normal, Outputs, PackSource,
+    Polyaxial, Radius, Record, Repeat, RigLog, Scene, ServiceMapping, Solver, Step, StrainUnit,
+    Targets, Triaxial, Uniaxial, Unload, Update, View, WallName, Walls, WallsStep, When, Zero,
+    prepare,
 };
 use graintwin::wall::Bounds;
 use graintwin::wall::WallTarget;
@@ -305,12 +306,9 @@ fn node() -> impl Strategy<Value = Node> {
 
 fn service() -> impl Strategy<Value = (Outputs, Node, Record)> {
     let when = prop::sample::select(vec![When::Always, When::OnDemand, When::Never]);
-    let markers = prop::sample::select(vec![Markers::OnDemand, Markers::Never]);
     let moduli = prop::sample::select(vec![ModuliKind::Secant, ModuliKind::None]);
-    let outputs = (when, markers, moduli).prop_map(|(contact_network, markers, moduli)| Outputs {
-        contact_network,
-        markers,
-        moduli,
+    let outputs = (when.clone(), when, moduli).prop_map(|(contact_network, markers, moduli)| {
+        Outputs { contact_network, markers, moduli }
     });
     let kind = prop::sample::select(vec![Compression::Zstd, Compression::Lz4, Compression::None]);
     let record = ((1_u64 << 20)..=(1 << 30), kind).prop_map(|(chunk, compression)| Record {
@@ -319,6 +317,20 @@ fn service() -> impl Strategy<Value = (Outputs, Node, Record)> {
         ..Record::default()
     });
     (outputs, node(), record)
+}
+
+fn view() -> impl Strategy<Value = View> {
+    let scale = option::of(1e-12..1e12).prop_map(choice);
+    let range = option::of((-1e9..0.0, 1e-9..1e9)).prop_map(|r| choice(r.map(|(a, b)| [a, b])));
+    let every = option::of(1..1_000_000_000_u64).prop_map(choice);
+    let color = prop::sample::select(vec![ColorBy::Force, ColorBy::Displacement]);
+    (scale, color, range, 1e-3..=1.0, every).prop_map(|(scale, color, range, opacity, every)| {
+        View { scale, color, range, opacity, every }
+    })
+}
+
+fn choice<T>(value: Option<T>) -> Choice<T> {
+    value.map_or(Choice::Auto, Choice::Given)
 }
 
 fn scene() -> impl Strategy<Value = Scene> {
@@ -333,9 +345,9 @@ fn scene() -> impl Strategy<Value = Scene> {
     });
     let laws = (walls, contact, prop::array::uniform3(-1e3..1e3), option::of(bounds()));
     let path = prop::collection::vec(step(), 0..4);
-    (word(), materials, laws, pack(), solver(), path, service()).prop_map(
+    (word(), materials, laws, pack(), solver(), path, (service(), view())).prop_map(
         |(name, own, (walls, contact, gravity, reference), mut pack, solver, path, service)| {
-            let (outputs, node, record) = service;
+            let ((outputs, node, record), view) = service;
             let mut materials: BTreeMap<_, _> =
                 scene::parse("pack: {file: a}", Path::new("a")).unwrap().materials;
             materials.extend(own);
@@ -357,6 +369,7 @@ fn scene() -> impl Strategy<Value = Scene> {
                 outputs,
                 node,
                 record,
+                view,
             }
         },
     )
@@ -390,6 +403,7 @@ fn an_echo_holds_every_key_of_the_format() {
         "outputs",
         "node",
         "record",
+        "view",
     ] {
         assert!(yaml.contains(&format!("\n{key}:")) || yaml.starts_with(key), "{key}\n{yaml}");
     }

@@ -30,6 +30,7 @@ impl Listener {
                     pack_history: None,
                     threads: 1,
                     seed: 1,
+                    painter: None,
                 };
                 let bag = folder.path().join("bag");
                 let recorder = Recorder::create(&bag, &scene.record, &provenance);

@@ -9,6 +9,7 @@ use indicatif::MultiProgress;
 use graintwin::scene::Loaded;
 use graintwin::sink::Sink;
 use graintwin::twin::Twin;
+use graintwin::view::picture::Painter;
 
 use super::orders::{Broken, Feed, Orders};
 use super::progress::Progress;
@@ -17,7 +18,7 @@ use super::resume::Earlier;
 use super::ros::{Link, Setup};
 use super::specimen::{self, Specimen};
 use super::summary::Summary;
-use super::{Cli, Failure, Outcome, output, recording, serve};
+use super::{Cli, Failure, Outcome, output, recording, ros, serve};
 
 /// Everything that a run needs.
 pub(super) struct Job<'a> {
@@ -79,7 +80,8 @@ pub(super) fn carry_out(job: Job<'_>) -> Result<Outcome, Failure> {
     };
     let broken = Broken::default();
     let mut link = None;
-    let (mut orders, length) = match setup {
+    let painter = Painter::new(&loaded.scene, &pack.bounds);
+    let (mut orders, length) = match setup.map(|setup| ros::drawn_by(setup, painter)) {
         None => {
             let length = orders.length();
             (Some(orders), Some(length))

@@ -11,6 +11,7 @@ use graintwin::report::Demand;
 use graintwin::scene::{Loaded, OnFailure};
 use graintwin::sink::{Served, Sink};
 use graintwin::twin::Twin;
+use graintwin::view::picture::Painter;
 
 use super::Failure;
 use super::summary::Summary;
@@ -81,6 +82,7 @@ impl Recording {
 
 /// What makes the recording.
 fn provenance(loaded: &Loaded, pack: &Pack, threads: usize) -> Result<Provenance, Failure> {
+    let painter = Some(Painter::new(&loaded.scene, &pack.bounds));
     let pack = pack::texts(pack, HISTORY)?;
     Ok(Provenance {
         scene: loaded.scene.to_yaml()?,
@@ -89,6 +91,7 @@ fn provenance(loaded: &Loaded, pack: &Pack, threads: usize) -> Result<Provenance
         pack_history: pack.history.map(String::into_bytes),
         threads,
         seed: loaded.scene.pack.seed(),
+        painter,
     })
 }
 

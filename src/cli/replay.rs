@@ -16,6 +16,7 @@ use graintwin::relax::lanes;
 use graintwin::scene::{self, Loaded, Outputs};
 use graintwin::sink::Sink;
 use graintwin::twin::Twin;
+use graintwin::view::picture::Painter;
 
 use super::job::{self, Job, Sender};
 use super::log::ForNode;
@@ -148,6 +149,9 @@ fn own(
     let mut of_node = loaded.scene.clone();
     let setup = ros::setup(args.ros(), cli, &mut of_node, log)?;
     let pace = Pace::new(args.rate(setup.is_some()), Arc::clone(&stop));
+    // Of this scene: the command line may scale what is shown.
+    let shown = Painter::new(&of_node, &replay.pack.bounds);
+    let setup = setup.map(|setup| ros::drawn_by(setup, shown));
     let mut link = setup.map(|setup| Link::showing(&of_node, setup, &stop)).transpose()?;
     let recording = args
         .record
@@ -158,7 +162,9 @@ fn own(
         link.diagnose(&loaded.scene, recording.as_ref().map(Recording::handle));
     }
     let compared = args.verify.then(Compared::default);
-    let mut run = Run { twin: &mut twin, pace, outputs: loaded.scene.outputs, compared };
+    let painter = Painter::new(&replay.scene, &replay.pack.bounds);
+    let outputs = loaded.scene.outputs;
+    let mut run = Run { twin: &mut twin, pace, outputs, compared, painter };
     let mut tape = replay.tape();
     let ended = {
         let mut sinks: Vec<Box<dyn Sink + '_>> = Vec::new();
@@ -242,6 +248,7 @@ struct Run<'a> {
     pace: Pace,
     outputs: Outputs,
     compared: Option<Compared>,
+    painter: Painter,
 }
 
 /// How a replay ended.
@@ -292,7 +299,7 @@ impl Run<'_> {
     fn step(&mut self, step: &Step, sinks: &mut [Box<dyn Sink + '_>]) -> Result<(), Difference> {
         let live = serve::demand(self.outputs, sinks);
         let demand = match self.compared {
-            Some(_) => live.or(step.demand()),
+            Some(_) => live.or(serve::ordered(self.outputs, step.demand())),
             None => live,
         };
         let start = Instant::now();
@@ -302,7 +309,7 @@ impl Run<'_> {
         }
         if let Some(compared) = &mut self.compared {
             compared.request(step, said.as_ref())?;
-            compared.answers(step, &mut served)?;
+            compared.answers(step, &mut served, &self.painter)?;
         }
         let stamp = Stamp::default();
         let stamp = stamp.later(i64::try_from(step.time).unwrap_or(0)).unwrap_or(stamp);

@@ -15,6 +15,7 @@ use graintwin::record::replay::{Act, Compared, Replay, Step};
 use graintwin::scene::{Loaded, Node, Scene};
 use graintwin::sink::Sink;
 use graintwin::twin::Twin;
+use graintwin::view::picture::Painter;
 
 use super::orders::Intakes;
 use super::recording::Recording;
@@ -71,16 +72,18 @@ impl Earlier {
         sinks: &mut [Box<dyn Sink + '_>],
     ) -> Result<(), Failure> {
         let replay = self.replay()?;
+        let painter = Painter::new(&replay.scene, &replay.pack.bounds);
         let mut compared = Compared::default();
         for step in replay.tape() {
             let step = step.map_err(Failure::input)?;
             if let Some(expected) = &mut expected {
                 self.draw(&step, expected, loaded)?;
             }
-            let (mut served, said) = step.play(twin, step.demand());
+            let (mut served, said) =
+                step.play(twin, serve::ordered(replay.scene.outputs, step.demand()));
             compared
                 .request(&step, said.as_ref())
-                .and_then(|()| compared.answers(&step, &mut served))
+                .and_then(|()| compared.answers(&step, &mut served, &painter))
                 .map_err(|found| {
                     let folder = self.folder.display();
                     Failure::Other(anyhow!("{folder}: cannot go on with other bits: {found}"))
@@ -160,14 +163,14 @@ fn same(one: &Command, other: &Command) -> bool {
 /// The first line in which what bears on the answers differs between the scene of a recording and
 /// another one, as they are written with all defaults.
 fn difference(recorded: &Scene, other: &Scene) -> Result<Option<[String; 2]>, Failure> {
-    let Scene { name, pack, load_path, outputs, record, .. } = recorded.clone();
+    let Scene { name, pack, load_path, outputs, record, view, .. } = recorded.clone();
     let node = Node {
         stale_after: other.node.stale_after,
         limits: other.node.limits,
         hold_after: other.node.hold_after.clone(),
         ..recorded.node.clone()
     };
-    let other = Scene { name, pack, load_path, outputs, record, node, ..other.clone() };
+    let other = Scene { name, pack, load_path, outputs, record, view, node, ..other.clone() };
     let (one, other) = (recorded.to_yaml()?, other.to_yaml()?);
     let mut lines = one.lines().zip(other.lines());
     let different = lines.find(|(one, other)| one != other);

@@ -14,6 +14,7 @@ use graintwin::node::{self, Identity, Node};
 use graintwin::scene::{Late, Scene};
 use graintwin::sink::Sink;
 use graintwin::twin::Settings;
+use graintwin::view::picture::Painter;
 
 use super::job::Sender;
 use super::orders::Orders;
@@ -151,7 +152,12 @@ pub(super) fn setup(
         tracing::warn!("{sentence}");
     }
     parameters.live().write_to(scene);
-    Ok(Some(Setup { identity, parameters: Some(parameters), log }))
+    Ok(Some(Setup { identity, parameters: Some(parameters), log, painter: None }))
+}
+
+/// A node whose pictures the `painter` draws.
+pub(super) fn drawn_by(setup: Setup, painter: Painter) -> Setup {
+    Setup { painter: Some(painter), ..setup }
 }
 
 /// Threads that the solver will work on.

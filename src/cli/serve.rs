@@ -165,18 +165,24 @@ pub(super) fn demand(outputs: Outputs, sinks: &[Box<dyn Sink + '_>]) -> Demand {
 }
 
 /// What of `wanted` the scene allows, and what it orders.
-fn ordered(outputs: Outputs, wanted: Demand) -> Demand {
+pub(super) fn ordered(outputs: Outputs, wanted: Demand) -> Demand {
     Demand {
         state: wanted.state,
         moduli: match outputs.moduli {
             ModuliKind::Secant => wanted.moduli,
             ModuliKind::None => false,
         },
-        contact_network: match outputs.contact_network {
-            When::Always => true,
-            When::OnDemand => wanted.contact_network,
-            When::Never => false,
-        },
+        contact_network: when(outputs.contact_network, wanted.contact_network),
+        grains: when(outputs.markers, wanted.grains),
+    }
+}
+
+/// Whether something is computed that is `wanted` or not.
+fn when(ordered: When, wanted: bool) -> bool {
+    match ordered {
+        When::Always => true,
+        When::OnDemand => wanted,
+        When::Never => false,
     }
 }
 

@@ -9,12 +9,13 @@ use super::rcl::{Log, ParameterEvent};
 use super::topics::{self, Topic};
 use super::{
     BoundaryCommand, Circumstance, ContactNetwork, Described, DiagnosticArray, Discrepancy, Event,
-    JointState, JointTrajectory, MessageType, Moduli, PackState, Report, TFMessage, WallForces,
-    WallTargets, WrenchStamped,
+    JointState, JointTrajectory, MarkerArray, MessageType, Moduli, PackState, PointCloud2, Report,
+    TFMessage, WallForces, WallTargets, WrenchStamped,
 };
 use crate::command::Stamp;
 use crate::report::Measures;
 use crate::sink::{Beside, Served};
+use crate::view::picture::Painter;
 
 /// A message that can be put on a topic.
 pub trait Outgoing {
@@ -35,12 +36,14 @@ pub trait Outgoing {
 pub type Take<'a, E> = dyn FnMut(&'static Topic, &dyn Outgoing) -> Result<(), E> + 'a;
 
 /// Hands every message of `served` on a topic that `wants` names to `take`: the command, the
-/// measures, and the report last, so that an increment whose report is there is whole.
+/// measures, what the `painter` draws, and the report last, so that an increment whose report is
+/// there is whole.
 ///
 /// # Errors
 /// The first of `take`.
 pub fn each<E>(
     served: &Served,
+    painter: Option<&Painter>,
     wants: &dyn Fn(&Topic) -> bool,
     take: &mut Take<'_, E>,
 ) -> Result<(), E> {
@@ -58,6 +61,9 @@ pub fn each<E>(
             give(&topics::TF_STATIC, &convert::wall_frames(measures))?;
         }
         each_measure(measures, wants, &mut give)?;
+        if let Some(painter) = painter {
+            each_picture(measures, painter, wants, &mut give)?;
+        }
     }
     give(&topics::REPORT, &Report::from(&served.report))
 }
@@ -86,6 +92,26 @@ fn each_measure<E>(
     }
     for event in convert::events(measures) {
         give(&topics::EVENTS, &event)?;
+    }
+    Ok(())
+}
+
+fn each_picture<E>(
+    measures: &Measures,
+    painter: &Painter,
+    wants: &dyn Fn(&Topic) -> bool,
+    give: &mut Take<'_, E>,
+) -> Result<(), E> {
+    // Large, as above.
+    if wants(&topics::GRAINS)
+        && let Some(cloud) = painter.cloud(measures)
+    {
+        give(&topics::GRAINS, &cloud)?;
+    }
+    if wants(&topics::MARKERS)
+        && let Some(markers) = painter.markers(measures)
+    {
+        give(&topics::MARKERS, &markers)?;
     }
     Ok(())
 }
@@ -129,8 +155,11 @@ macro_rules! outgoing {
 
 outgoing!(header of BoundaryCommand, WallTargets, Circumstance, Report, WallForces, WrenchStamped,
     JointState, JointTrajectory, PackState, Moduli, ContactNetwork, Event, Discrepancy,
-    DiagnosticArray);
+    DiagnosticArray, PointCloud2);
 outgoing!(Log: |message| message.stamp.into(), ParameterEvent: |message| message.stamp.into());
 outgoing!(TFMessage: |message| {
     message.transforms.first().map(|first| first.header.stamp.into()).unwrap_or_default()
+});
+outgoing!(MarkerArray: |message| {
+    message.markers.first().map(|first| first.header.stamp.into()).unwrap_or_default()
 });

@@ -1,6 +1,6 @@
 //! From the twin's commands and reports to messages, and back for commands.
 
-use super::topics::{PACK_FRAME, wall_frame};
+use super::topics::{PACK_FRAME, VIEW_FRAME, WORLD_FRAME, wall_frame};
 use super::{
     BoundaryCommand, ContactNetwork, Discrepancy, Event, Header, JointState, Moduli, PackState,
     Report, TFMessage, Time, Transform, TransformStamped, WallForces, WallTargets, Wrench,
@@ -212,7 +212,8 @@ pub fn discrepancy(found: &discrepancy::Discrepancy) -> Discrepancy {
     }
 }
 
-/// The frames of the walls in that of the pack: their origins at the centres of the walls, their
+/// The frame of the pack and that of its pictures in the root, both of which are where the root is,
+/// and those of the walls in that of the pack: their origins at the centres of the walls, their
 /// axes as the pack's.
 #[must_use]
 pub fn wall_frames(measures: &Measures) -> TFMessage {
@@ -225,7 +226,12 @@ pub fn wall_frames(measures: &Measures) -> TFMessage {
         let header = pack_header(measures.stamp);
         TransformStamped { header, child_frame_id: wall_frame(wall), transform }
     });
-    TFMessage { transforms: transforms.collect() }
+    let roots = [PACK_FRAME, VIEW_FRAME].map(|frame| TransformStamped {
+        header: Header { frame_id: WORLD_FRAME.into(), ..pack_header(measures.stamp) },
+        child_frame_id: frame.into(),
+        transform: Transform::default(),
+    });
+    TFMessage { transforms: roots.into_iter().chain(transforms).collect() }
 }
 
 /// The events on the way to this equilibrium, in order.

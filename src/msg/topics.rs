@@ -4,7 +4,8 @@ use super::rcl::{Log, ParameterEvent};
 use super::schema::{Described, MessageType};
 use super::{
     BoundaryCommand, Circumstance, ContactNetwork, DiagnosticArray, Discrepancy, Event, JointState,
-    JointTrajectory, Moduli, PackState, Report, TFMessage, WallForces, WallTargets, WrenchStamped,
+    JointTrajectory, MarkerArray, Moduli, PackState, PointCloud2, Report, TFMessage, WallForces,
+    WallTargets, WrenchStamped,
 };
 use crate::wall;
 
@@ -13,6 +14,12 @@ pub const NODE: &str = "graintwin";
 
 /// Frame of everything that concerns the whole pack.
 pub const PACK_FRAME: &str = "pack";
+
+/// Root of the frames.
+pub const WORLD_FRAME: &str = "world";
+
+/// Frame of the pictures, which are larger than the pack: `view.scale` of the scene.
+pub const VIEW_FRAME: &str = "pack_view";
 
 /// Frame of wall `wall`, `wall_x_min` and so on: axes as the pack's, origin at the wall's centre.
 #[must_use]
@@ -125,6 +132,11 @@ pub static MODULI: Topic = Topic::new("moduli", Moduli::TYPE, 1).latched();
 /// Out: [`ContactNetwork`].
 pub static CONTACT_NETWORK: Topic = Topic::new("contact_network", ContactNetwork::TYPE, 64);
 
+/// Out: [`PointCloud2`] of the grains.
+pub static GRAINS: Topic = Topic::new("grains", PointCloud2::TYPE, 2);
+/// Out: [`MarkerArray`] with spheres, force chains, walls and a line of text.
+pub static MARKERS: Topic = Topic::new("markers", MarkerArray::TYPE, 2);
+
 /// Out: [`Event`], one message an event.
 pub static EVENTS: Topic = Topic::new("events", Event::TYPE, 64);
 
@@ -141,7 +153,8 @@ pub static MEASURED_WRENCH: [Topic; wall::COUNT] = [
 pub static DISCREPANCY: Topic = Topic::new("discrepancy", Discrepancy::TYPE, 64);
 /// Out: [`DiagnosticArray`], once a second.
 pub static DIAGNOSTICS: Topic = Topic::new("/diagnostics", DiagnosticArray::TYPE, 10);
-/// Out: [`TFMessage`], kept for whoever comes later: the walls' frames in the pack's.
+/// Out: [`TFMessage`], kept for whoever comes later: [where every frame
+/// is](super::convert::wall_frames).
 pub static TF_STATIC: Topic = Topic::new("/tf_static", TFMessage::TYPE, 1).latched();
 
 /// Out: [`Log`], kept for whoever comes later: warnings and errors.
@@ -157,6 +170,8 @@ pub fn measures() -> impl Iterator<Item = &'static Topic> {
         &MODULI,
         &CONTACT_NETWORK,
         &EVENTS,
+        &GRAINS,
+        &MARKERS,
         &TF_STATIC,
     ])
 }

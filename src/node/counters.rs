@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use super::health::Health;
 
 /// Counts kept while the node runs. What is `queued` and not `done` is on its way; contact networks
-/// are counted as frames, apart from the other messages.
+/// are counted as frames, and clouds and markers as pictures, apart from the other messages.
 #[derive(Debug, Default)]
 pub(super) struct Counters {
     pub commands: AtomicU64,
@@ -18,6 +18,10 @@ pub(super) struct Counters {
     pub frames_done: AtomicU64,
     pub frames_sent: AtomicU64,
     pub frames_skipped: AtomicU64,
+    pub pictures_queued: AtomicU64,
+    pub pictures_done: AtomicU64,
+    pub pictures_sent: AtomicU64,
+    pub pictures_skipped: AtomicU64,
     /// Requests to the services, and those of them that have their response.
     pub asked: AtomicU64,
     pub answered: AtomicU64,
@@ -31,7 +35,7 @@ pub struct Summary {
     pub commands: u64,
     /// Samples on the topics of commands and load cells that are none.
     pub unreadable: u64,
-    /// Messages published, contact networks not counted.
+    /// Messages published, contact networks and pictures not counted.
     pub published: u64,
     /// Messages that could not be published, or not before the end.
     pub lost: u64,
@@ -40,11 +44,16 @@ pub struct Summary {
     /// Contact networks that somebody wanted and that were left out, since the network was slower
     /// than the twin.
     pub frames_skipped: u64,
+    /// Messages on `grains` and `markers` that were published.
+    pub pictures: u64,
+    /// Those that somebody wanted and that a newer one took the place of, since the network was
+    /// slower than the twin.
+    pub pictures_skipped: u64,
 }
 
 impl Summary {
-    /// Whether a command or a message is lost. A skipped contact network is no loss: that topic
-    /// promises what the network can carry, the recording promises all of them.
+    /// Whether a command or a message is lost. A skipped contact network or picture is no loss:
+    /// those topics promise what the network can carry, the recording promises all of them.
     #[must_use]
     pub fn data_lost(&self) -> bool {
         self.unreadable + self.lost > 0
@@ -57,6 +66,7 @@ impl Counters {
         let count = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
         let unsent = count(&self.queued) - count(&self.done);
         let frames_unsent = count(&self.frames_queued) - count(&self.frames_done);
+        let pictures_unsent = count(&self.pictures_queued) - count(&self.pictures_done);
         Summary {
             commands: count(&self.commands),
             unreadable: count(&self.unreadable),
@@ -64,6 +74,8 @@ impl Counters {
             lost: count(&self.lost) + unsent,
             frames: count(&self.frames_sent),
             frames_skipped: count(&self.frames_skipped) + frames_unsent,
+            pictures: count(&self.pictures_sent),
+            pictures_skipped: count(&self.pictures_skipped) + pictures_unsent,
         }
     }
 }

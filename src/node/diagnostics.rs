@@ -124,6 +124,8 @@ impl Watched {
             waiting: count(&counters.queued).saturating_sub(count(&counters.done)),
             frames: count(&counters.frames_sent),
             skipped: count(&counters.frames_skipped),
+            pictures: count(&counters.pictures_sent),
+            pictures_skipped: count(&counters.pictures_skipped),
         }
     }
 }

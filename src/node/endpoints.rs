@@ -13,8 +13,8 @@ use super::services::Services;
 use super::{NodeError, clock, mapping};
 use crate::msg::{
     BoundaryCommand, Clock, ContactNetwork, DiagnosticArray, Discrepancy, Event, JointState,
-    JointTrajectory, Moduli, PackState, Report, TFMessage, Topic, WallForces, WallTargets,
-    WrenchStamped, topics,
+    JointTrajectory, MarkerArray, Moduli, PackState, PointCloud2, Report, TFMessage, Topic,
+    WallForces, WallTargets, WrenchStamped, topics,
 };
 use crate::{scene, wall};
 
@@ -31,6 +31,8 @@ pub(super) struct Endpoints {
     pub state: Out<PackState>,
     pub moduli: Out<Moduli>,
     pub contact_network: Out<ContactNetwork>,
+    pub grains: Out<PointCloud2>,
+    pub markers: Out<MarkerArray>,
     pub events: Out<Event>,
     pub report: Out<Report>,
     /// When load cells are mapped.
@@ -118,6 +120,8 @@ impl Endpoints {
             state: Out::new(&mut node, identity, &topics::STATE)?,
             moduli: Out::new(&mut node, identity, &topics::MODULI)?,
             contact_network: Out::new(&mut node, identity, &topics::CONTACT_NETWORK)?,
+            grains: Out::new(&mut node, identity, &topics::GRAINS)?,
+            markers: Out::new(&mut node, identity, &topics::MARKERS)?,
             events: Out::new(&mut node, identity, &topics::EVENTS)?,
             report: Out::new(&mut node, identity, &topics::REPORT)?,
             discrepancy: cells
@@ -144,6 +148,8 @@ impl Endpoints {
             self.state.listeners(self),
             self.moduli.listeners(self),
             self.contact_network.listeners(self),
+            self.grains.listeners(self),
+            self.markers.listeners(self),
             self.events.listeners(self),
             self.report.listeners(self),
         ]);

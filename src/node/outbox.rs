@@ -14,6 +14,7 @@ use super::counters::Counters;
 use super::discrepancy::Comparison;
 use super::endpoints::Endpoints;
 use super::frames::{Frame, Frames};
+use super::pictures::{Easel, Picture};
 use crate::msg::{
     Discrepancy, Event, JointState, Moduli, PackState, Report, TFMessage, WallForces,
     WrenchStamped, convert,
@@ -49,6 +50,7 @@ pub(super) enum Outgoing {
     State(PackState),
     Moduli(Moduli),
     Network(Frame),
+    Picture(Picture, Arc<Served>),
     Event(Event),
     Report(Report),
     Discrepancy(Discrepancy),
@@ -65,6 +67,8 @@ pub struct NodeSink {
     counters: Arc<Counters>,
     comparison: Option<Arc<Comparison>>,
     outputs: Outputs,
+    /// Whether somebody draws pictures.
+    draws: bool,
     started: bool,
 }
 
@@ -74,11 +78,11 @@ impl NodeSink {
         endpoints: &Arc<Endpoints>,
         counters: Arc<Counters>,
         comparison: Option<Arc<Comparison>>,
-        outputs: Outputs,
+        (outputs, draws): (Outputs, bool),
     ) -> Self {
         let endpoints = Arc::downgrade(endpoints);
         let frames = Frames::new(Arc::clone(&counters));
-        Self { queue, endpoints, frames, counters, comparison, outputs, started: false }
+        Self { queue, endpoints, frames, counters, comparison, outputs, draws, started: false }
     }
 
     /// Everything that `served` says, the report last: it closes the increment.
@@ -98,6 +102,10 @@ impl NodeSink {
         messages.push(Outgoing::Report(Report::from(&served.report)));
         self.counters.queued.fetch_add(messages.len() as u64, Ordering::Relaxed);
         messages.extend(self.frames.take(served).map(Outgoing::Network));
+        if self.draws && served.report.measures.as_ref().is_some_and(|one| one.grains.is_some()) {
+            let pictures = [Picture::Grains, Picture::Markers];
+            messages.extend(pictures.map(|one| Outgoing::Picture(one, Arc::clone(served))));
+        }
         messages
     }
 }
@@ -110,16 +118,24 @@ impl Sink for NodeSink {
         let asked = |listens: fn(&Endpoints) -> bool| {
             !self.started || endpoints.as_deref().is_some_and(listens)
         };
+        let when = |ordered, listens: fn(&Endpoints) -> bool| match ordered {
+            When::Always => true,
+            When::OnDemand => asked(listens),
+            When::Never => false,
+        };
+        let Outputs { contact_network, markers, .. } = self.outputs;
+        // The markers show the state and the contacts too.
+        let marked =
+            self.draws && when(markers, |endpoints| endpoints.markers.has_listener(endpoints));
+        let clouded =
+            self.draws && when(markers, |endpoints| endpoints.grains.has_listener(endpoints));
         Demand {
-            state: asked(|endpoints| endpoints.state.has_listener(endpoints)),
+            grains: marked || clouded,
+            state: marked || asked(|endpoints| endpoints.state.has_listener(endpoints)),
             moduli: self.outputs.moduli == ModuliKind::Secant,
-            contact_network: match self.outputs.contact_network {
-                When::Always => true,
-                When::OnDemand => {
-                    asked(|endpoints| endpoints.contact_network.has_listener(endpoints))
-                }
-                When::Never => false,
-            },
+            contact_network: when(contact_network, |endpoints| {
+                endpoints.contact_network.has_listener(endpoints)
+            }) || marked && contact_network != When::Never,
         }
     }
 
@@ -149,6 +165,7 @@ impl Sink for NodeSink {
 pub(super) struct Outbox {
     pub endpoints: Arc<Endpoints>,
     pub frames: mpsc::UnboundedSender<Frame>,
+    pub easel: Arc<Easel>,
     pub counters: Arc<Counters>,
 }
 
@@ -210,6 +227,8 @@ impl Outbox {
             Outgoing::State(_) => endpoints.state.has_listener(endpoints),
             Outgoing::Moduli(_) => endpoints.moduli.has_listener(endpoints),
             Outgoing::Network(_) => endpoints.contact_network.has_listener(endpoints),
+            Outgoing::Picture(Picture::Grains, _) => endpoints.grains.has_listener(endpoints),
+            Outgoing::Picture(Picture::Markers, _) => endpoints.markers.has_listener(endpoints),
             Outgoing::Event(_) => endpoints.events.has_listener(endpoints),
             Outgoing::Report(_) => endpoints.report.has_listener(endpoints),
             Outgoing::Discrepancy(_) => {
@@ -221,6 +240,7 @@ impl Outbox {
 
     async fn publish(&self, message: Outgoing) {
         let endpoints = &*self.endpoints;
+        let heard = self.has_listener(&message);
         let published = match message {
             Outgoing::WallForces(message) => endpoints.wall_forces.publish(message).await,
             Outgoing::Wrench(wall, message) => endpoints.wrenches[wall].publish(message).await,
@@ -235,11 +255,17 @@ impl Outbox {
             },
             Outgoing::Frames(message) => endpoints.tf_static.publish(message).await,
             Outgoing::Network(frame) => {
-                if endpoints.contact_network.has_listener(endpoints) {
+                if heard {
                     // Fails only when the task that paces the frames is gone, at the end.
                     self.frames.send(frame).ok();
                 } else {
                     self.counters.frames_done.fetch_add(1, Ordering::Relaxed);
+                }
+                return;
+            }
+            Outgoing::Picture(picture, served) => {
+                if heard {
+                    self.easel.put(picture, served);
                 }
                 return;
             }

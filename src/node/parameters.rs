@@ -146,9 +146,9 @@ impl Parameters {
     /// With the first that cannot be set.
     pub fn set(&self, wanted: &[(String, Value)]) -> Result<(), Refusal> {
         for (name, _) in wanted {
-            let Descriptor { name, field, .. } = find(name)?;
-            if matches!(field, Field::AtStart(_)) {
-                return Err(Refusal::Late { name });
+            let descriptor = find(name)?;
+            if descriptor.at_start() {
+                return Err(Refusal::Late { name: descriptor.name });
             }
         }
         self.take(wanted)

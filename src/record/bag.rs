@@ -16,6 +16,7 @@ use crate::msg::topics::{self, Topic};
 use crate::relax::lanes;
 use crate::scene;
 use crate::sink::{Beside, Served};
+use crate::view::picture::Painter;
 
 pub(super) use part::{Channel, Contents, Part, Schema, When};
 
@@ -48,11 +49,13 @@ impl From<McapError> for BagError {
 pub(super) struct Making {
     settings: scene::Record,
     program: BTreeMap<String, String>,
+    painter: Option<Painter>,
 }
 
 impl Making {
     pub(super) fn new(settings: &scene::Record, provenance: &Provenance) -> Self {
-        Self { settings: settings.clone(), program: program(provenance) }
+        let painter = provenance.painter.clone();
+        Self { settings: settings.clone(), program: program(provenance), painter }
     }
 
     pub(super) fn settings(&self) -> &scene::Record {
@@ -80,6 +83,7 @@ pub(super) struct BagWriter<W: Write> {
     frames_due: bool,
     buffer: Vec<u8>,
     closing: Option<Closing>,
+    painter: Option<Painter>,
 }
 
 impl<W: Write> BagWriter<W> {
@@ -124,14 +128,22 @@ impl<W: Write> BagWriter<W> {
             describe(&mut part, topic);
         }
         let frames_due = past.frames.is_some();
-        Ok(Self { part, topics, past, frames_due, buffer: Vec::new(), closing: None })
+        let painter = making.painter.clone();
+        Ok(Self { part, topics, past, frames_due, buffer: Vec::new(), closing: None, painter })
     }
 
     /// Writes one answer, served at `time`; says whether it is still in an open chunk.
     pub(super) fn answer(&mut self, served: &Served, time: u64) -> Result<bool, BagError> {
+        // Taken out while `self` is written to.
+        let painter = self.painter.take();
+        let draws = painter.as_ref().filter(|one| one.records(served.report.increment));
         let topics = self.topics.clone();
         let wants = |topic: &Topic| topics.contains(&topic);
-        answer::each(served, &wants, &mut |topic, message| self.write(topic, message, time))?;
+        let written = answer::each(served, draws, &wants, &mut |topic, message| {
+            self.write(topic, message, time)
+        });
+        self.painter = painter;
+        written?;
         self.part.close_full_chunk()
     }
 

@@ -15,17 +15,6 @@ pub enum When {
     Never,
 }
 
-/// When the pictures for viewers are made.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Markers {
-    /// When somebody subscribed.
-    #[default]
-    OnDemand,
-    /// Never.
-    Never,
-}
-
 /// Which moduli.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -43,8 +32,8 @@ pub enum ModuliKind {
 pub struct Outputs {
     /// Every contact.
     pub contact_network: When,
-    /// Pictures for viewers; this version publishes none, whatever is asked for.
-    pub markers: Markers,
+    /// Pictures for viewers: the grains, and markers.
+    pub markers: When,
     /// Moduli.
     pub moduli: ModuliKind,
 }

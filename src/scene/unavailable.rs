@@ -35,11 +35,6 @@ const TABLE: &[Row] = &[
         text: "this version computes no tangent moduli; allowed: secant, none",
     },
     Row {
-        keys: &["outputs", "markers"],
-        value: Value::Words(&["always"]),
-        text: "this version publishes no markers; allowed: on_demand, never",
-    },
-    Row {
         keys: &["node", "topics"],
         value: Value::Any,
         text: "this version maps no topics; the names are those of the node; allowed: no such key",

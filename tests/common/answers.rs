@@ -19,6 +19,7 @@ pub(crate) fn provenance() -> Provenance {
                 .to_vec(),
         pack_history: Some(br#"{"rotations": [[0, 0, 0]], "contacts": []}"#.to_vec()),
         threads: 2,
+        painter: None,
         seed: 1,
     }
 }
@@ -162,5 +163,6 @@ fn measures(stamp: Stamp, increment: u64, contacts: u32) -> Measures {
         state: Some(state),
         moduli: Some(moduli),
         network: Some(network),
+        grains: None,
     }
 }

@@ -117,6 +117,7 @@ impl MadeUpTwin {
                 overlap: (0..contacts).map(|_| n.next()).collect(),
                 state: (0..contacts).map(|_| (n.index() % 2) as u8).collect(),
             }),
+            grains: None,
         }
     }
 }

@@ -28,7 +28,7 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 
 from act import Call, taken
-from messages import OUT, BoundaryCommand, Header, Time, dds_name, qos
+from messages import OUT, PICTURES, BoundaryCommand, Header, Time, dds_name, qos
 from play import MATCH_SECONDS, SETTLE_SECONDS, plain
 
 WAIT_SECONDS = 60
@@ -46,8 +46,9 @@ class Rig:
         self.writer = DataWriter(self.participant, topic, qos=qos(20000))
         self.readers = {}
         for name in topics:
-            made = Topic(self.participant, dds_name(name), OUT[name].kind)
-            reader = DataReader(self.participant, made, qos=qos(OUT[name].depth, OUT[name].latched))
+            out = {**OUT, **PICTURES}[name]
+            made = Topic(self.participant, dds_name(name), out.kind)
+            reader = DataReader(self.participant, made, qos=qos(out.depth, out.latched))
             self.readers[name] = reader
         self.calls = {}
         self.new = {name: [] for name in topics}

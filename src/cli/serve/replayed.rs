@@ -15,6 +15,7 @@ use graintwin::record::{Closing, Provenance, Recorder};
 use graintwin::relax::lanes;
 use graintwin::scene::{self, Limits, Scene};
 use graintwin::twin::Settings;
+use graintwin::view::picture::Painter;
 use graintwin::wall::{Bounds, WallTarget};
 
 /// Something that comes, and settings that somebody changed before it.
@@ -153,6 +154,7 @@ fn record(folder: &Path, came: Vec<Comes>) -> u64 {
         pack_history: None,
         threads: 1,
         seed: 0,
+        painter: Some(Painter::new(&scene, &pack.bounds)),
     };
     let mut recorder = Recorder::create(folder, &scene.record, &provenance).unwrap();
     let mut source = Came { waiting: came.into(), changes: VecDeque::new() };
@@ -191,13 +193,14 @@ fn verify(folder: &Path, threads: usize) -> Compared {
     let bag = Bag::open(folder).unwrap();
     let replay = Replay::open(&bag, None).unwrap();
     let mut twin = Twin::new(&replay.scene, &replay.pack, threads).unwrap();
+    let painter = Painter::new(&replay.scene, &replay.pack.bounds);
     let mut compared = Compared::default();
     let mut tape = replay.tape();
     for step in &mut tape {
         let step = step.unwrap();
         let (mut served, said) = step.play(&mut twin, step.demand());
         compared.request(&step, said.as_ref()).unwrap_or_else(|found| panic!("{found}"));
-        compared.answers(&step, &mut served).unwrap_or_else(|found| panic!("{found}"));
+        compared.answers(&step, &mut served, &painter).unwrap_or_else(|found| panic!("{found}"));
     }
     assert!(!tape.is_cut_off());
     compared.closing(tape.closing().unwrap(), &twin.digest()).unwrap();

@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use graintwin::scene::Scene;
 use graintwin::sink::{Recording, Sink};
+use graintwin::view::picture::Painter;
 
 use crate::cli::job::Sender;
 use crate::cli::log::ForNode;
@@ -27,6 +28,10 @@ pub(in crate::cli) fn setup(
     (): ForNode,
 ) -> Result<Option<Setup>, Failure> {
     Ok(None)
+}
+
+pub(in crate::cli) fn drawn_by(setup: Setup, _: Painter) -> Setup {
+    match setup {}
 }
 
 impl Link {

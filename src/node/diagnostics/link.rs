@@ -15,6 +15,8 @@ pub(super) struct Traffic {
     pub waiting: u64,
     pub frames: u64,
     pub skipped: u64,
+    pub pictures: u64,
+    pub pictures_skipped: u64,
 }
 
 /// What went out before.
@@ -42,6 +44,8 @@ impl Past {
         status.value("waiting", &traffic.waiting);
         status.value("contact networks published", &traffic.frames);
         status.value("contact networks left out", &traffic.skipped);
+        status.value("pictures published", &traffic.pictures);
+        status.value("pictures left out", &traffic.pictures_skipped);
         for (topic, count) in &traffic.listeners {
             status.value(format!("subscriptions to {topic}"), count);
         }

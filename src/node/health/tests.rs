@@ -20,6 +20,7 @@ fn served(disposition: Disposition, iterations: Option<u32>) -> Served {
         state: Some(PackState { iterations, residual: 1e-9, ..PackState::default() }),
         moduli: None,
         network: None,
+        grains: None,
     });
     let report = Report {
         stamp: Stamp::default(),

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::{Kind, Live, Refusal, Value};
-use crate::scene::{MAX_STRAIN_INCREMENT, Scene, TOLERANCE};
+use crate::scene::{MAX_STRAIN_INCREMENT, Scene, TOLERANCE, VIEW_SCALE};
 
 /// A parameter.
 #[derive(Debug)]
@@ -27,6 +27,8 @@ pub enum Field {
     Double(fn(&mut Live) -> &mut f64, Range),
     /// A switch.
     Bool(fn(&mut Live) -> &mut bool),
+    /// A number that is read-only once the node runs.
+    DoubleAtStart(fn(&mut Live) -> &mut f64, Range),
     /// A switch that is read-only once the node runs.
     AtStart(fn(&mut Live) -> &mut bool),
 }
@@ -87,7 +89,7 @@ impl Descriptor {
         match self.field {
             Field::Text(_) => Kind::STRING,
             Field::Count(_) => Kind::INTEGER,
-            Field::Double(..) => Kind::DOUBLE,
+            Field::Double(..) | Field::DoubleAtStart(..) => Kind::DOUBLE,
             Field::Bool(_) | Field::AtStart(_) => Kind::BOOL,
         }
     }
@@ -95,7 +97,7 @@ impl Descriptor {
     /// Whether it only tells, once the node runs.
     #[must_use]
     pub fn read_only(&self) -> bool {
-        self.tells() || matches!(self.field, Field::AtStart(_))
+        self.tells() || self.at_start()
     }
 
     /// Whether it only tells, from the start.
@@ -104,12 +106,19 @@ impl Descriptor {
         matches!(self.field, Field::Text(_) | Field::Count(_))
     }
 
+    /// Whether it can be set, but not once the node runs.
+    pub(super) fn at_start(&self) -> bool {
+        matches!(self.field, Field::AtStart(_) | Field::DoubleAtStart(..))
+    }
+
     pub(super) fn get(&self, live: &Live, fixed: &Fixed) -> Value {
         let mut live = *live;
         match self.field {
             Field::Text(field) => Value::Text(field(fixed).into()),
             Field::Count(field) => Value::Integer(field(fixed)),
-            Field::Double(field, _) => Value::Double(*field(&mut live)),
+            Field::Double(field, _) | Field::DoubleAtStart(field, _) => {
+                Value::Double(*field(&mut live))
+            }
             Field::Bool(field) | Field::AtStart(field) => Value::Bool(*field(&mut live)),
         }
     }
@@ -119,7 +128,10 @@ impl Descriptor {
         match (&self.field, value) {
             (Field::Text(_) | Field::Count(_), _) => return Err(Refusal::ReadOnly { name }),
             (_, Value::Other(Kind::NOT_SET)) => return Err(Refusal::Removal { name }),
-            (Field::Double(field, range), Value::Double(value)) => {
+            (
+                Field::Double(field, range) | Field::DoubleAtStart(field, range),
+                Value::Double(value),
+            ) => {
                 if !range.holds(*value) {
                     return Err(Refusal::Outside { name, found: *value, range: *range });
                 }
@@ -142,7 +154,7 @@ pub fn all() -> &'static [Descriptor] {
     &ALL
 }
 
-static ALL: [Descriptor; 15] = [
+static ALL: [Descriptor; 16] = [
     Descriptor {
         name: "limits.clamp",
         description: "Whether a command beyond a limit is served up to the limit (true) or refused",
@@ -223,5 +235,14 @@ static ALL: [Descriptor; 15] = [
         name: "version",
         description: "Version of the program",
         field: Field::Text(|_| env!("CARGO_PKG_VERSION")),
+    },
+    Descriptor {
+        name: "view.scale",
+        description: "Size of the pictures on ~/grains and ~/markers over that of the specimen; \
+                      0 = the power of ten that makes the box about 1 m",
+        field: Field::DoubleAtStart(
+            |live| &mut live.view_scale,
+            Range { from: 0.0, above: false, to: VIEW_SCALE },
+        ),
     },
 ];

@@ -1,7 +1,7 @@
 //! The parameters that hold for the running twin.
 
 use super::Parameters;
-use crate::scene::{Late, Limits, Scene};
+use crate::scene::{Choice, Late, Limits, Scene};
 use crate::twin::Settings;
 
 /// The values of all parameters that can change while the twin runs.
@@ -19,6 +19,8 @@ pub struct Live {
     pub tolerance: f64,
     /// Largest strain between two equilibria.
     pub max_strain_increment: f64,
+    /// Size of the pictures over that of the specimen; 0 = chosen by the program.
+    pub view_scale: f64,
 }
 
 impl Live {
@@ -30,6 +32,10 @@ impl Live {
             use_sim_time: scene.node.use_sim_time,
             tolerance: scene.solver.tolerance,
             max_strain_increment: scene.solver.max_strain_increment,
+            view_scale: match scene.view.scale {
+                Choice::Auto => 0.0,
+                Choice::Given(scale) => scale,
+            },
         }
     }
 
@@ -59,6 +65,10 @@ impl Live {
         scene.node.use_sim_time = self.use_sim_time;
         scene.solver.tolerance = self.tolerance;
         scene.solver.max_strain_increment = self.max_strain_increment;
+        scene.view.scale = match self.view_scale {
+            0.0 => Choice::Auto,
+            scale => Choice::Given(scale),
+        };
     }
 }
 

@@ -279,7 +279,7 @@ fn described(name: String) -> rcl::ParameterDescriptor {
     };
     let Descriptor { description, field, .. } = descriptor;
     let (constraints, range) = match field {
-        Field::Double(_, range) => {
+        Field::Double(_, range) | Field::DoubleAtStart(_, range) => {
             let bounds =
                 rcl::FloatingPointRange { from_value: range.from, to_value: range.to, step: 0.0 };
             (range.to_string(), vec![bounds])

@@ -68,6 +68,7 @@ fn what_cannot_be_set_is_refused_in_a_sentence() {
         ("merge", Value::Other(Kind(77)), "not unknown (77)"),
         ("seed", Value::Integer(1), "seed is read-only"),
         ("use_sim_time", Value::Bool(true), "use_sim_time is read-only while the node runs"),
+        ("view.scale", Value::Double(2.0), "view.scale is read-only while the node runs"),
         ("scene", Value::Text("a".into()), "scene is read-only"),
         ("limits", Value::Double(1.0), "there is no parameter `limits`: there are limits.clamp,"),
         ("stale_after", Value::Double(f64::NAN), "cannot be NaN"),
@@ -99,6 +100,13 @@ fn values_at_the_start_are_none_that_the_solver_is_told_of_as_changes() {
     assert!(!store.live().merge, "the later value counts");
     assert_eq!(store.start_with(&[one("use_sim_time", Value::Bool(true))]), Ok(Vec::new()));
     assert!(store.live().use_sim_time);
+    assert_eq!(store.start_with(&[one("view.scale", Value::Double(250.0))]), Ok(Vec::new()));
+    let mut scene = crate::scene::parse("pack: {file: a.csv}", Path::new("a.yaml")).unwrap();
+    store.live().write_to(&mut scene);
+    assert_eq!(scene.view.scale, crate::scene::Choice::Given(250.0));
+    assert_eq!(store.start_with(&[one("view.scale", Value::Double(0.0))]), Ok(Vec::new()));
+    store.live().write_to(&mut scene);
+    assert_eq!(scene.view.scale, crate::scene::Choice::Auto);
     assert_eq!(store.changes().take(), None);
     let bad = store.start_with(&[one("merge", Value::Integer(1))]).unwrap_err().to_string();
     assert_eq!(bad, "p.yaml:5: merge is of type bool, not integer");
@@ -124,7 +132,7 @@ fn names_are_listed_by_prefix_and_depth_as_other_nodes_list_them() {
     };
     let (names, above) = listed(&[], 0);
     assert_eq!(names.len(), all().len());
-    assert_eq!(above, ["limits", "solver"]);
+    assert_eq!(above, ["limits", "solver", "view"]);
     assert!(listed(&[], 1).0.iter().all(|name| !name.contains('.')));
     assert_eq!(listed(&["solver"], 0).0.len(), 4);
     assert_eq!(listed(&["solver"], 1).0, Vec::<&str>::new());

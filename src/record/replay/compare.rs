@@ -12,6 +12,7 @@ use crate::record::Closing;
 use crate::record::reader::Message;
 use crate::record::replay::Act;
 use crate::sink::Served;
+use crate::view::picture::Painter;
 
 /// The first thing that is not the same.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -48,12 +49,18 @@ pub struct Compared {
 }
 
 impl Compared {
-    /// Compares the answers of `step` with those that playing it gave; the `solve_seconds` of the
-    /// latter become those of the recording.
+    /// Compares the answers of `step` with those that playing it gave, with the pictures
+    /// that the `painter` draws of them; the `solve_seconds` of the latter become those of the
+    /// recording.
     ///
     /// # Errors
     /// The first difference.
-    pub fn answers(&mut self, step: &Step, served: &mut [Served]) -> Result<(), Difference> {
+    pub fn answers(
+        &mut self,
+        step: &Step,
+        served: &mut [Served],
+        painter: &Painter,
+    ) -> Result<(), Difference> {
         if served.len() != step.answers.len() {
             let (recorded, replayed) = (step.answers.len(), served.len());
             return Err(self.difference("answers", "their number", recorded, replayed));
@@ -66,7 +73,7 @@ impl Compared {
                 self.topics = topics.chain([topics::EVENTS.recorded_name()]).collect();
             }
             take_time(recorded, served);
-            self.answer(recorded, served)?;
+            self.answer(recorded, served, painter)?;
             self.answers += 1;
         }
         Ok(())
@@ -105,7 +112,12 @@ impl Compared {
         Ok(())
     }
 
-    fn answer(&mut self, recorded: &Answer, served: &Served) -> Result<(), Difference> {
+    fn answer(
+        &mut self,
+        recorded: &Answer,
+        served: &Served,
+        painter: &Painter,
+    ) -> Result<(), Difference> {
         let mut left: Vec<Option<&Message>> = recorded.messages.iter().map(Some).collect();
         // Captured apart: `self` counts meanwhile.
         let topics = self.topics.clone();
@@ -114,7 +126,8 @@ impl Compared {
             false => !is_command(topic) && topics.contains(&topic.recorded_name()),
         };
         let mut bytes = Vec::new();
-        answer::each(served, &wants, &mut |topic, message| {
+        let painter = Some(painter).filter(|painter| painter.records(self.increment));
+        answer::each(served, painter, &wants, &mut |topic, message| {
             let name = topic.recorded_name();
             message
                 .encode(&mut bytes)

@@ -60,10 +60,13 @@ impl Step {
     #[must_use]
     pub fn demand(&self) -> Demand {
         let has = |topic: &Topic| self.answers.iter().any(|answer| answer.has(topic));
+        // Markers show the state and the contacts.
+        let marked = has(&topics::MARKERS);
         Demand {
-            state: has(&topics::STATE),
+            state: has(&topics::STATE) || marked,
             moduli: has(&topics::MODULI),
-            contact_network: has(&topics::CONTACT_NETWORK),
+            contact_network: has(&topics::CONTACT_NETWORK) || marked,
+            grains: has(&topics::GRAINS) || marked,
         }
     }
 

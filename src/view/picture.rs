@@ -1,0 +1,132 @@
+//! Pictures of an increment for 3D viewers: a cloud of the grains, and markers.
+//!
+//! Packs are millimetres, viewers are made for robots. So pictures stand in a frame of their own,
+//! [`VIEW_FRAME`](crate::msg::topics::VIEW_FRAME), in which everything that is a length of the
+//! picture is [`Painter::scale`] times what it is in the pack.
+//!
+//! Every marker array has the same markers under the same names, those without anything to draw
+//! as deleted: each array takes the place of the one before it, and nothing flickers or stays.
+
+mod caption;
+mod chains;
+mod cloud;
+mod colormap;
+mod spheres;
+mod walls;
+
+use crate::msg::picture::{Marker, MarkerArray, Point, PointCloud2};
+use crate::msg::standard::Header;
+use crate::msg::topics::VIEW_FRAME;
+use crate::report::{Grains, Measures};
+use crate::scene::{Choice, ColorBy, Scene, View};
+use crate::wall::Bounds;
+
+/// Most grains that are drawn as spheres; of larger packs the cloud has to do.
+pub const MOST_SPHERES: usize = 20_000;
+
+/// Draws increments of one specimen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Painter {
+    name: String,
+    view: View,
+    scale: f64,
+}
+
+impl Painter {
+    /// For the specimen of `scene` in the box `bounds`.
+    #[must_use]
+    pub fn new(scene: &Scene, bounds: &Bounds) -> Self {
+        let scale = match scene.view.scale {
+            Choice::Given(scale) => scale,
+            Choice::Auto => power_of_ten(bounds),
+        };
+        Self { name: scene.name.clone(), view: scene.view, scale }
+    }
+
+    /// Size of the picture over that of the specimen.
+    #[must_use]
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// Whether the pictures of this increment are recorded.
+    #[must_use]
+    pub fn records(&self, increment: u64) -> bool {
+        match self.view.every {
+            Choice::Auto => increment < 100 || increment.is_multiple_of(10),
+            Choice::Given(every) => increment.is_multiple_of(every),
+        }
+    }
+
+    /// The grains as points: `x`, `y`, `z` and `radius` \[m, scaled\], `pressure` \[Pa\],
+    /// `displacement` since the start \[m, as it is\], and `id`, the row of the pack file from 0.
+    /// `None` when the measures are without [grains](Measures::grains).
+    #[must_use]
+    pub fn cloud(&self, measures: &Measures) -> Option<PointCloud2> {
+        let grains = measures.grains.as_ref()?;
+        Some(cloud::cloud(header(measures), grains, self.scale))
+    }
+
+    /// Spheres binned by radius and coloured, force chains, walls, and a line of text. `None` when
+    /// the measures are without [grains](Measures::grains); without a contact network there are no
+    /// chains, without a state the text is short.
+    #[must_use]
+    pub fn markers(&self, measures: &Measures) -> Option<MarkerArray> {
+        let grains = measures.grains.as_ref()?;
+        let canvas = Canvas { header: header(measures), scale: self.scale };
+        let mut markers = walls::walls(&canvas, &measures.walls);
+        markers.push(caption::caption(&canvas, &self.name, measures));
+        markers.extend(chains::chains(&canvas, grains, measures.network.as_ref()));
+        if grains.radius.len() <= MOST_SPHERES {
+            markers.extend(spheres::spheres(&canvas, &self.view, grains));
+        }
+        Some(MarkerArray { markers })
+    }
+}
+
+fn header(measures: &Measures) -> Header {
+    Header { stamp: measures.stamp.into(), frame_id: VIEW_FRAME.into() }
+}
+
+/// The power of ten that brings the largest side of the box nearest to 1 m.
+fn power_of_ten(bounds: &Bounds) -> f64 {
+    let largest = bounds.sides().into_iter().fold(0.0, f64::max);
+    10f64.powi(-largest.log10().round() as i32)
+}
+
+/// What spheres are coloured by, one number a grain.
+fn values(grains: &Grains, by: ColorBy) -> Vec<f64> {
+    match by {
+        ColorBy::Force => grains.pressure.clone(),
+        ColorBy::Displacement => grains.displacement.iter().map(length).collect(),
+    }
+}
+
+fn length(vector: &[f64; 3]) -> f64 {
+    vector.iter().map(|component| component * component).sum::<f64>().sqrt()
+}
+
+/// Where and when markers are drawn, and how large.
+struct Canvas {
+    header: Header,
+    scale: f64,
+}
+
+impl Canvas {
+    fn marker(&self, namespace: &str, id: usize, kind: i32) -> Marker {
+        Marker {
+            header: self.header.clone(),
+            ns: namespace.into(),
+            id: id as i32,
+            r#type: kind,
+            action: Marker::ADD,
+            ..Marker::default()
+        }
+    }
+
+    /// A point of the pack \[m\]. Single precision is more than a screen shows, and leaves half of
+    /// the bytes zero for whoever compresses them.
+    fn point(&self, at: [f64; 3]) -> Point {
+        at.map(|x| f64::from((x * self.scale) as f32)).into()
+    }
+}
