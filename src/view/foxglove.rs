@@ -88,7 +88,7 @@ impl Server {
             .map_err(ServeError::Thread)?;
         let context = Context::new();
         let outlets = Arc::new(Outlets::new(context)?);
-        let queue = Arc::new(Queue::default());
+        let queue = Arc::new(Queue::new(outlets.pictures()));
         let clients = Arc::new(AtomicU64::new(0));
         let listener = Listener::new(&outlets, &queue, &clients);
         let server = WebSocketServer::new()

@@ -13,6 +13,7 @@ import json
 import struct
 import sys
 import time
+from contextlib import ExitStack
 from pathlib import Path
 
 from mcap.reader import make_reader
@@ -29,6 +30,8 @@ PROTOCOL = Subprotocol("foxglove.sdk.v1")
 STATE = ["/tf_static", "/graintwin/state", "/graintwin/wall_forces", "/graintwin/moduli"]
 # Only a viewer that hangs takes that long.
 PATIENCE = 120.0
+# Connections; they are closed at the end.
+OPEN = ExitStack()
 
 
 class Viewer:
@@ -38,7 +41,8 @@ class Viewer:
         until = time.monotonic() + PATIENCE
         while True:
             try:
-                self.socket = connect(f"ws://{ADDRESS}", subprotocols=[PROTOCOL], max_size=None)
+                asked = connect(f"ws://{ADDRESS}", subprotocols=[PROTOCOL], max_size=None)
+                self.socket = OPEN.enter_context(asked)
                 break
             except OSError:
                 assert time.monotonic() < until, f"nobody listens at {ADDRESS}"
@@ -155,3 +159,4 @@ try:
 except ConnectionClosed:
     told["closed"] = True
 print(json.dumps(told), flush=True)
+OPEN.close()

@@ -47,6 +47,12 @@ impl Outlets {
         self.all.iter().any(|(one, channel)| ptr::eq(*one, topic) && channel.has_sinks())
     }
 
+    /// Those whose messages need contact networks or grains.
+    pub(super) fn pictures(&self) -> Vec<Outlet> {
+        let pictures = [&topics::CONTACT_NETWORK, &topics::GRAINS, &topics::MARKERS];
+        pictures.into_iter().filter_map(|topic| self.of_topic(topic)).collect()
+    }
+
     pub(super) fn of_channel(&self, id: ChannelId) -> Option<Outlet> {
         self.all.iter().position(|(_, channel)| channel.id() == id).map(Outlet)
     }

@@ -34,8 +34,9 @@ pub(super) struct Work {
 }
 
 /// Between the twin, the clients, and the thread that encodes.
-#[derive(Default)]
 pub(super) struct Queue {
+    /// The outlets that need networks or grains.
+    pictures: Vec<Outlet>,
     state: Mutex<State>,
     changed: Condvar,
 }
@@ -50,6 +51,10 @@ struct State {
 }
 
 impl Queue {
+    pub(super) fn new(pictures: Vec<Outlet>) -> Self {
+        Self { pictures, state: Mutex::default(), changed: Condvar::new() }
+    }
+
     /// Takes an answer of the twin.
     pub(super) fn put(&self, served: Arc<Served>) {
         let mut state = self.lock();
@@ -60,7 +65,11 @@ impl Queue {
             return;
         }
         state.answers.push_back(Waiting { served, time: now() });
-        state.lighten();
+        let lightened = state.lighten();
+        let mut looking = state.listeners.iter().chain(&state.newcomers);
+        if looking.any(|(outlet, _)| self.pictures.contains(outlet)) {
+            state.skipped += lightened;
+        }
         drop(state);
         self.changed.notify_all();
     }
@@ -111,16 +120,17 @@ impl Queue {
 }
 
 impl State {
-    /// Takes network and grains from the oldest answers when too many wait with them.
-    fn lighten(&mut self) {
+    /// Takes network and grains from the oldest answers when too many wait with them; returns from
+    /// how many.
+    fn lighten(&mut self) -> u64 {
         let whole = self.answers.iter().filter(|waiting| is_whole(&waiting.served)).count();
         let too_many = whole.saturating_sub(MOST_WHOLE);
         for waiting in
             self.answers.iter_mut().filter(|waiting| is_whole(&waiting.served)).take(too_many)
         {
             waiting.served = Arc::new(light(&waiting.served));
-            self.skipped += 1;
         }
+        too_many as u64
     }
 }
 
@@ -158,4 +168,94 @@ fn light(served: &Served) -> Served {
 fn now() -> u64 {
     let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     u64::try_from(since.as_nanos()).unwrap_or(u64::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::num::NonZeroU64;
+
+    use super::*;
+    use crate::command::{Ask, Command, Mode, Stamp};
+    use crate::pack::{Grain, Pack};
+    use crate::report::Demand;
+    use crate::twin::Twin;
+    use crate::wall::Bounds;
+
+    /// Answers to `count` commands of a grain between walls, everything measured.
+    fn answers(count: u64) -> Vec<Arc<Served>> {
+        let scene = crate::scene::parse("pack: {file: none.csv}", "s.yaml".as_ref()).unwrap();
+        let (young, poisson, density, friction) = (70e9, 0.2, 2.5e3, 0.0);
+        let grain = Grain { position: [0.0; 3], radius: 1e-3, young, poisson, density, friction };
+        let bounds = Bounds { min: [-1e-3; 3], max: [1e-3; 3] };
+        let pack = Pack { bounds, grains: vec![grain], history: None };
+        let mut twin = Twin::new(&scene, &pack, 1).unwrap();
+        twin.start(Demand::ALL);
+        let command = |sequence: u64| Command {
+            stamp: Stamp::default(),
+            session: "a".into(),
+            sequence,
+            mode: Mode::Absolute,
+            ask: Ask::Displacement([0.0, 0.0, 0.0, 0.0, 0.0, 1e-8 * sequence as f64]),
+            age: None,
+        };
+        let mut serve = |command: Command| {
+            let report = twin.apply(&command, Demand::ALL);
+            Arc::new(Served { command: Some(command), report })
+        };
+        (1..=count).map(|sequence| serve(command(sequence))).collect()
+    }
+
+    fn drain(queue: &Queue) -> Vec<Arc<Served>> {
+        std::iter::from_fn(|| queue.take())
+            .filter_map(|work| work.answer)
+            .map(|(waiting, _)| waiting.served)
+            .collect()
+    }
+
+    #[test]
+    fn when_it_is_behind_the_oldest_pictures_are_left_out_and_no_answer() {
+        let outlets = super::super::Outlets::new(::foxglove::Context::new()).unwrap();
+        let queue = Queue::new(outlets.pictures());
+        let looks = outlets.pictures()[0];
+        queue.came((looks, SinkId::new(NonZeroU64::MIN)));
+        let more = 3;
+        for served in answers(MOST_WHOLE as u64 + more) {
+            queue.put(served);
+        }
+        queue.end();
+        assert_eq!(queue.skipped(), more);
+        let out = drain(&queue);
+        for (k, served) in out.iter().enumerate() {
+            let k = k as u64 + 1;
+            assert_eq!(served.command.as_ref().unwrap().sequence, k);
+            assert_eq!(served.report.sequence, k);
+            let measures = served.report.measures.as_ref().unwrap();
+            assert_eq!(measures.increment, k);
+            assert!(measures.state.is_some() && measures.moduli.is_some());
+            assert_eq!(measures.network.is_some() && measures.grains.is_some(), k > more);
+        }
+        assert_eq!(out.len() as u64, MOST_WHOLE as u64 + more);
+    }
+
+    #[test]
+    fn nobody_misses_pictures_that_nobody_looks_at() {
+        let outlets = super::super::Outlets::new(::foxglove::Context::new()).unwrap();
+        let queue = Queue::new(outlets.pictures());
+        answers(MOST_WHOLE as u64 + 1).into_iter().for_each(|served| queue.put(served));
+        assert_eq!(queue.skipped(), 0);
+    }
+
+    #[test]
+    fn who_has_left_gets_nothing() {
+        let outlets = super::super::Outlets::new(::foxglove::Context::new()).unwrap();
+        let queue = Queue::new(Vec::new());
+        let who = |id| (outlets.pictures()[0], SinkId::new(NonZeroU64::new(id).unwrap()));
+        (1..=3).for_each(|id| queue.came(who(id)));
+        queue.left(who(1));
+        assert_eq!(queue.take().unwrap().newcomers, [who(2), who(3)]);
+        queue.left(who(2));
+        queue.put(answers(1).remove(0));
+        let Work { newcomers, answer } = queue.take().unwrap();
+        assert_eq!((newcomers, answer.unwrap().1), (vec![], vec![who(3)]));
+    }
 }
