@@ -21,6 +21,8 @@ mod progress;
 #[cfg_attr(not(feature = "mcap"), path = "cli/without/recording.rs")]
 mod recording;
 #[cfg(feature = "mcap")]
+mod recover;
+#[cfg(feature = "mcap")]
 mod replay;
 #[cfg_attr(not(feature = "mcap"), path = "cli/without/resume.rs")]
 mod resume;
@@ -96,6 +98,8 @@ enum Verb {
     Generate(generate::Args),
     Check(check::Args),
     #[cfg(feature = "mcap")]
+    Recover(recover::Args),
+    #[cfg(feature = "mcap")]
     Plot(plot::Args),
     #[cfg(unix)]
     Bench(bench::Args),
@@ -157,6 +161,8 @@ pub(crate) fn run(cli: &Cli) -> Result<Outcome, Failure> {
         Verb::Replay(args) => replay::run(args, cli, &bars, log),
         Verb::Generate(args) => generate::run(args, cli, &bars),
         Verb::Check(args) => check::run(args, cli),
+        #[cfg(feature = "mcap")]
+        Verb::Recover(args) => recover::run(args),
         #[cfg(feature = "mcap")]
         Verb::Plot(args) => plot::run(args),
         #[cfg(unix)]

@@ -13,7 +13,11 @@ use std::sync::Arc;
 use answers::{answers, provenance};
 use graintwin::command::Stamp;
 use graintwin::measure::discrepancy::Discrepancy;
-use graintwin::msg::{Header, Vector3, Wrench, WrenchStamped, convert};
+use graintwin::msg::rcl::{Log, Parameter, ParameterEvent, ParameterValue};
+use graintwin::msg::{
+    DiagnosticArray, DiagnosticStatus, Duration, Header, JointState, JointTrajectory,
+    JointTrajectoryPoint, KeyValue, Vector3, Wrench, WrenchStamped, convert,
+};
 use graintwin::record::{Recorded, Recorder};
 use graintwin::report::Measures;
 use graintwin::scene::{Compression, Record};
@@ -232,12 +236,15 @@ fn two_independent_readers_find_every_field_of_every_message() {
     assert_eq!(
         topics,
         [
+            "/diagnostics",
             "/graintwin/boundary_command",
             "/graintwin/circumstance",
             "/graintwin/contact_network",
             "/graintwin/discrepancy",
             "/graintwin/events",
             "/graintwin/grains",
+            "/graintwin/joint_states",
+            "/graintwin/joint_trajectory",
             "/graintwin/markers",
             "/graintwin/measured_wrench/x_max",
             "/graintwin/measured_wrench/x_min",
@@ -257,6 +264,8 @@ fn two_independent_readers_find_every_field_of_every_message() {
             "/graintwin/wall_forces",
             "/graintwin/wall_states",
             "/graintwin/wall_targets",
+            "/parameter_events",
+            "/rosout",
             "/tf_static",
         ]
     );
@@ -380,4 +389,89 @@ fn measurements_and_how_the_twin_compares_are_recorded_between_the_answers() {
 
     handle.beside(Beside::Measured(5, measured));
     assert_eq!(handle.state().lost, 1, "what comes after the end");
+}
+
+#[test]
+fn what_the_node_hears_and_says_beside_the_answers_is_recorded_as_it_is() {
+    let parent = tempfile::tempdir().unwrap();
+    let folder = parent.path().join("run");
+    let stamp = Stamp { sec: 12, nanosec: 5 };
+    let head = || Header { stamp: stamp.into(), frame_id: "rig".into() };
+    let at = json!({"sec": 12, "nanosec": 5});
+    let point = JointTrajectoryPoint {
+        positions: vec![1e-7],
+        time_from_start: Duration { sec: 3, nanosec: 4 },
+        ..JointTrajectoryPoint::default()
+    };
+    let value = ParameterValue { kind: 3, double_value: 0.5, ..ParameterValue::default() };
+    let parameter = Parameter { name: "node.stale_after".into(), value };
+    let pair = KeyValue { key: "residual".into(), value: "1e-9".into() };
+    let status = DiagnosticStatus { level: 1, values: vec![pair], ..DiagnosticStatus::default() };
+    let heard = [
+        Beside::JointStates(JointState {
+            header: head(),
+            name: vec!["top".into()],
+            position: vec![0.25],
+            velocity: vec![],
+            effort: vec![-3.0],
+        }),
+        Beside::JointTrajectory(JointTrajectory {
+            header: head(),
+            joint_names: vec!["side".into()],
+            points: vec![point],
+        }),
+        Beside::Diagnostics(DiagnosticArray { header: head(), status: vec![status] }),
+        Beside::Log(Log { stamp: stamp.into(), level: 30, msg: "µ".into(), ..Log::default() }),
+        Beside::ParameterEvent(ParameterEvent {
+            stamp: stamp.into(),
+            changed_parameters: vec![parameter],
+            ..ParameterEvent::default()
+        }),
+    ];
+    let expected = [
+        (
+            "/graintwin/joint_states",
+            json!({
+                "header": header(stamp, "rig"), "name": ["top"], "position": [0.25], "velocity": [],
+                "effort": [-3.0],
+            }),
+        ),
+        (
+            "/graintwin/joint_trajectory",
+            json!({
+                "header": header(stamp, "rig"), "joint_names": ["side"],
+                "points": [{"positions": [1e-7], "time_from_start": {"sec": 3, "nanosec": 4}}],
+            }),
+        ),
+        (
+            "/diagnostics",
+            json!({
+                "header": header(stamp, "rig"),
+                "status": [{"values": [{"key": "residual", "value": "1e-9"}]}],
+            }),
+        ),
+        (
+            "/rosout",
+            json!({
+                "stamp": at, "level": 30, "name": "", "msg": "µ", "file": "", "function": "", "line": 0,
+            }),
+        ),
+        (
+            "/parameter_events",
+            json!({
+                "stamp": at, "node": "", "new_parameters": [], "deleted_parameters": [],
+                "changed_parameters": [
+                    {"name": "node.stale_after", "value": {"double_value": 0.5, "string_value": ""}},
+                ],
+            }),
+        ),
+    ];
+    let recorder = Recorder::create(&folder, &Record::default(), &provenance()).unwrap();
+    let handle = recorder.handle();
+    for beside in heard {
+        handle.beside(beside);
+    }
+    recorder.finish().unwrap();
+    let expected = expected.map(|(topic, fields)| vec![json!({"topic": topic, "fields": fields})]);
+    peers_find(&folder, expected.to_vec());
 }

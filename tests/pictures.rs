@@ -96,11 +96,38 @@ fn pictures_are_recorded_when_the_scene_says() {
         let bag = record(&own, &format!("{pack}{view}\n"));
         let text = fs::read_to_string(bag.join("metadata.yaml")).unwrap();
         for topic in ["grains", "markers"] {
-            let at = text.find(&format!("name: /graintwin/{topic}\n")).unwrap();
+            let at = text.find(&format!("name: \"/graintwin/{topic}\"\n")).unwrap();
             let count = text[at..].split("message_count: ").nth(1).unwrap();
             let count: u32 = count.split_whitespace().next().unwrap().parse().unwrap();
             assert_eq!(count, expected, "{name} {topic}");
         }
+    }
+}
+
+/// Chains are drawn from what is measured, whether the contacts themselves are recorded or not.
+#[test]
+fn pictures_are_made_again_whatever_else_is_recorded() {
+    let pack = "pack: {generate: {grains: 60, radius: {uniform: [1.0e-3, 1.2e-3]}, \
+                material: glass, confining_stress: 1.0e6}}\n\
+                load_path: [uniaxial: {axis: z, strain: 1.0e-3, increments: 7}]\n";
+    let folder = tempfile::tempdir().unwrap();
+    for (number, orders) in [
+        "record: {exclude: [state, contact_network, grains]}\n",
+        "outputs: {contact_network: never}\nview: {every: 3, color: displacement}\n",
+        "record: {exclude: [markers]}\nview: {range: [0, 1e6]}\n",
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let own = folder.path().join(number.to_string());
+        fs::create_dir(&own).unwrap();
+        let bag = record(&own, &format!("{pack}{orders}"));
+        let output = Command::new(env!("CARGO_BIN_EXE_graintwin"))
+            .args(["replay", "--verify"])
+            .arg(&bag)
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{orders}: {}", String::from_utf8_lossy(&output.stderr));
     }
 }
 

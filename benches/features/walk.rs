@@ -8,7 +8,6 @@ use graintwin::pack;
 use graintwin::path;
 use graintwin::relax::advance::advance;
 use graintwin::relax::{Workspace, relax};
-use graintwin::report::Demand;
 use graintwin::sink::Served;
 use graintwin::state::State;
 use graintwin::twin::Twin;

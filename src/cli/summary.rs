@@ -252,7 +252,7 @@ impl Sink for &mut Summary {
 }
 
 /// The name that the messages give it.
-fn name(disposition: Disposition) -> String {
+pub(super) fn name(disposition: Disposition) -> String {
     match serde_json::to_value(disposition) {
         Ok(serde_json::Value::String(name)) => name,
         _ => format!("{disposition:?}"),

@@ -130,13 +130,13 @@ impl<'a> Walk<'a> {
             Count::Sequence => self.unsigned(4)? as usize,
         };
         for index in 0..many {
-            let end = path.len();
+            let (end, before) = (path.len(), self.at);
             // A string takes all text.
             let _ = write!(path, "[{index}]");
             self.one(kind, path, depth, found)?;
             path.truncate(end);
             // A type without a field takes no byte: its number alone would keep us here.
-            if self.at >= self.body.len() {
+            if self.at == before {
                 break;
             }
         }

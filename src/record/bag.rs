@@ -171,7 +171,7 @@ impl<W: Write> BagWriter<W> {
         self.part.contents()
     }
 
-    /// Bytes of messages in the open chunk, before compression.
+    /// What the open chunk and its index will take at most.
     pub(super) fn open(&self) -> u64 {
         self.part.open()
     }

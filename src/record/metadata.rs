@@ -106,7 +106,7 @@ fn topics(contents: &Contents) -> String {
 }
 
 /// JSON's quoting is YAML's too.
-fn quoted(text: &str) -> String {
+pub(super) fn quoted(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }
 

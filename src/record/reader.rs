@@ -81,7 +81,7 @@ impl Channel {
     /// Whether its definition has the fields of `kind`.
     #[must_use]
     pub fn has_fields(&self, kind: &'static MessageType) -> bool {
-        commands::same_fields(&self.definition, &kind.definition())
+        commands::same_fields(&self.definition, kind)
     }
 }
 

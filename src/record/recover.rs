@@ -14,7 +14,7 @@ use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use super::bag::{Channel, Past};
+use super::bag::{Channel, Contents, Past};
 use super::reader::{self, Bag, Items, ReadError};
 use super::target::{DESCRIPTION, Target};
 use super::worker::Beginning;
@@ -249,13 +249,25 @@ fn copy(from: &Path, to: &Path) -> Result<(), RecoverError> {
     fs::copy(from, to).map(|_| ()).map_err(|error| unwritten(to, &error))
 }
 
-/// Writes what is whole of `file` to `target`, which is on disk then.
+/// Writes what is whole of `file` to `target`, which is on disk then; or nothing.
 fn write_again(
     account: &Account,
     file: &File,
     items: Items,
     target: &Path,
-) -> Result<super::bag::Contents, RecoverError> {
+) -> Result<Contents, RecoverError> {
+    write_to_disk(account, file, items, target).inspect_err(|_| {
+        // A part of it is of no use, and takes room.
+        fs::remove_file(target).ok();
+    })
+}
+
+fn write_to_disk(
+    account: &Account,
+    file: &File,
+    items: Items,
+    target: &Path,
+) -> Result<Contents, RecoverError> {
     let failed = |error: io::Error| unwritten(target, &error);
     let to = BufWriter::new(fs::File::create(target).map_err(failed)?);
     let written = rewrite(account, file, items, &file_name(&file.path), to);

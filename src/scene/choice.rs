@@ -4,7 +4,9 @@ use std::fmt;
 use std::marker::PhantomData;
 
 use serde::de::value::SeqAccessDeserializer;
-use serde::de::{Deserialize, Deserializer, Error, IntoDeserializer, SeqAccess, Visitor};
+use serde::de::{
+    Deserialize, Deserializer, Error, IgnoredAny, IntoDeserializer, SeqAccess, Visitor,
+};
 use serde::{Serialize, Serializer};
 
 const AUTO: &str = "auto";
@@ -62,7 +64,11 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for Either<T> {
         T::deserialize(value.into_deserializer()).map(Choice::Given)
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Self::Value, A::Error> {
-        T::deserialize(SeqAccessDeserializer::new(list)).map(Choice::Given)
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Self::Value, A::Error> {
+        let value = T::deserialize(SeqAccessDeserializer::new(&mut list))?;
+        match list.next_element::<IgnoredAny>()? {
+            None => Ok(Choice::Given(value)),
+            Some(_) => Err(A::Error::custom("the list is too long; allowed: two numbers")),
+        }
     }
 }

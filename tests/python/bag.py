@@ -44,9 +44,11 @@ def fields_of(message):
     return {name for name in names if name == name.lower() and not name.startswith("_")}
 
 
-def stamped(message):
-    """What says when the message is of: itself, or the first of its frames."""
-    return message if hasattr(message, "header") else message.transforms[0]
+def stamp_of(message):
+    """When the message is of: its own stamp, or that of the first of its frames."""
+    if hasattr(message, "stamp"):
+        return message.stamp
+    return (message if hasattr(message, "header") else message.transforms[0]).header.stamp
 
 
 def compare(where, topic, message, expected):
@@ -73,7 +75,7 @@ def with_mcap():
             assert record.log_time > last, (number, record.log_time, last)
             last = record.log_time
             assert record.sequence == 0
-            stamp = stamped(message).header.stamp
+            stamp = stamp_of(message)
             assert record.publish_time == max(0, stamp.sec * 10**9 + stamp.nanosec)
         assert reader.get_header().profile == "ros2"
         summary = reader.get_summary()
@@ -105,7 +107,7 @@ def with_rosbags():
             assert alone.hash_rihs01(connection.msgtype) == connection.digest, connection.topic
             assert connection.ext.serialization_format == "cdr"
             (qos,) = connection.ext.offered_qos_profiles
-            latched = connection.topic in ("/graintwin/moduli", "/tf_static")
+            latched = connection.topic in ("/graintwin/moduli", "/rosout", "/tf_static")
             assert qos.durability.name == ("TRANSIENT_LOCAL" if latched else "VOLATILE"), qos
             assert qos.reliability.name == "RELIABLE" and qos.history.name == "KEEP_LAST", qos
             assert qos.depth > 0, qos

@@ -90,7 +90,14 @@ pub(in crate::record) struct Part<W: Write> {
     news: bool,
     chunk: u64,
     open: u64,
+    index: u64,
 }
+
+/// What a record adds to the bytes of a message.
+const HEADER: u64 = 31;
+
+/// What the index behind a chunk takes for a message.
+const INDEX: u64 = 16;
 
 impl<W: Write> Part<W> {
     pub(in crate::record) fn new(to: W, settings: &scene::Record) -> Result<Self, BagError> {
@@ -120,13 +127,14 @@ impl<W: Write> Part<W> {
             news: false,
             chunk: settings.chunk,
             open: 0,
+            index: 0,
         })
     }
 
     /// Puts a file in. Closes the open chunk.
     pub(in crate::record) fn attach(&mut self, file: &Attachment<'_>) -> Result<(), BagError> {
         self.mcap.attach(file)?;
-        self.open = 0;
+        self.closed();
         Ok(())
     }
 
@@ -137,7 +145,7 @@ impl<W: Write> Part<W> {
         metadata: BTreeMap<String, String>,
     ) -> Result<(), BagError> {
         self.mcap.write_metadata(&Metadata { name: name.into(), metadata })?;
-        self.open = 0;
+        self.closed();
         Ok(())
     }
 
@@ -201,13 +209,14 @@ impl<W: Write> Part<W> {
         self.mcap.write_to_known_channel(&header, data)?;
         self.contents.channels[channel].messages += 1;
         self.contents.reaches(log_time);
-        self.open += data.len() as u64;
+        self.open += HEADER + data.len() as u64;
+        self.index += INDEX;
         Ok(())
     }
 
-    /// Bytes of messages in the open chunk, before compression.
+    /// What the open chunk and its index will take at most.
     pub(in crate::record) fn open(&self) -> u64 {
-        self.open
+        self.open + self.index
     }
 
     /// What it holds so far.
@@ -226,8 +235,13 @@ impl<W: Write> Part<W> {
     /// Closes the open chunk, if there is one, and hands everything to the system.
     pub(in crate::record) fn flush(&mut self) -> Result<(), BagError> {
         self.mcap.flush()?;
-        self.open = 0;
+        self.closed();
         Ok(())
+    }
+
+    fn closed(&mut self) {
+        self.open = 0;
+        self.index = 0;
     }
 
     /// Writes rosbag2's own record and the index, and gives back what was written to.

@@ -39,8 +39,7 @@ impl<'a> Commands<'a> {
             }
             _ => {}
         }
-        if channel.encoding == "cdr" && same_fields(&channel.definition, &KINDS[kind].definition())
-        {
+        if channel.encoding == "cdr" && same_fields(&channel.definition, KINDS[kind]) {
             Ok(())
         } else {
             Err(ReadError::OtherDefinition { path, topic, kind: KINDS[kind] })
@@ -90,18 +89,21 @@ impl Iterator for Commands<'_> {
     }
 }
 
-/// Whether two definitions are the same but for comments, constants, blanks and the texts of the
-/// standard types they are made of.
-pub(super) fn same_fields(one: &str, other: &str) -> bool {
-    fields(one).eq(fields(other))
+/// Whether a definition is that of `kind` but for comments, constants, blanks, the name of the
+/// package before types of its own, and the texts of the types it is made of.
+pub(super) fn same_fields(definition: &str, kind: &'static MessageType) -> bool {
+    fields(definition, kind.package).eq(fields(&kind.definition(), kind.package))
 }
 
-fn fields(definition: &str) -> impl Iterator<Item = Vec<&str>> {
+fn fields<'a>(definition: &'a str, package: &str) -> impl Iterator<Item = Vec<&'a str>> {
     definition
         .lines()
         .take_while(|line| !line.starts_with("===="))
         .map(|line| line.split('#').next().unwrap_or_default())
         // A bound, as in `string<=10 name`, is no constant.
         .filter(|line| !line.trim().is_empty() && !line.replace("<=", "").contains('='))
-        .map(|line| line.split_whitespace().collect())
+        .map(move |line| {
+            let own = |word: &'a str| word.strip_prefix(package)?.strip_prefix('/');
+            line.split_whitespace().map(|word| own(word).unwrap_or(word)).collect()
+        })
 }

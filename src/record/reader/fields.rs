@@ -69,10 +69,10 @@ impl Record {
     /// Takes an attachment apart, whose bytes stay where they are.
     pub(super) fn attachment(mut body: Vec<u8>) -> Result<Self, String> {
         let mut fields = Fields(&body);
-        let Some(((log_time, create_time), name, media_type, length, sum)) = fields.attachment()
-        else {
+        let Some((head, length, sum)) = fields.attachment() else {
             return Err("an attachment with impossible lengths or text".into());
         };
+        let AttachmentHead { log_time, create_time, name, media_type } = head;
         let end = body.len() - 4;
         if sum != 0 && crc32fast::hash(&body[..end]) != sum {
             return Err(format!("the sum over attachment `{name}` is not its own"));
@@ -81,6 +81,14 @@ impl Record {
         body.drain(..end - length);
         Ok(Self::Attachment { log_time, create_time, name, media_type, data: body })
     }
+}
+
+/// What stands before the data of an attachment.
+struct AttachmentHead {
+    log_time: u64,
+    create_time: u64,
+    name: String,
+    media_type: String,
 }
 
 /// Longest name of a topic, a type or an encoding \[bytes\]; ROS 2 allows fewer than 256.
@@ -132,14 +140,16 @@ impl<'a> Fields<'a> {
         Some(texts)
     }
 
-    /// Times, name, type, size and sum; nothing where the lengths do not fill the record.
-    fn attachment(&mut self) -> Option<((u64, u64), String, String, usize, u32)> {
-        let times = (self.u64()?, self.u64()?);
+    /// What is before the data, their size and the sum; nothing where the lengths do not fill the
+    /// record.
+    fn attachment(&mut self) -> Option<(AttachmentHead, usize, u32)> {
+        let (log_time, create_time) = (self.u64()?, self.u64()?);
         let (name, media_type) = (self.name()?.to_owned(), self.name()?.to_owned());
+        let head = AttachmentHead { log_time, create_time, name, media_type };
         let length = usize::try_from(self.u64()?).ok()?;
         self.bytes(length)?;
         let sum = self.u32()?;
-        self.0.is_empty().then_some((times, name, media_type, length, sum))
+        self.0.is_empty().then_some((head, length, sum))
     }
 
     /// Opcode and body of a whole record.

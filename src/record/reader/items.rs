@@ -93,8 +93,9 @@ impl Iterator for Items {
 /// Most that the descriptions of a file's topics and types may take \[bytes\].
 const DESCRIPTIONS: usize = 16 << 20;
 
-/// What a description takes beside its text \[bytes\].
-const DESCRIPTION: usize = 64;
+/// What a description takes beside its text, and each word that it says \[bytes\].
+const DESCRIPTION: usize = 512;
+const WORD: usize = 64;
 
 /// The pieces of one file.
 struct Pieces {
@@ -190,7 +191,7 @@ impl Pieces {
             let reason = format!("channel {id} has type {schema}, which is not described");
             return Err(self.records.damage(reason));
         }
-        let told: usize = about.iter().map(|(name, text)| name.len() + text.len()).sum();
+        let told: usize = about.iter().map(|(name, text)| name.len() + text.len() + WORD).sum();
         self.describe(topic.len() + encoding.len() + told)?;
         let channel = Arc::new(Channel {
             topic,

@@ -1,13 +1,15 @@
 //! What a bag holds that is whole.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::fs;
+use std::path::{Path, PathBuf};
 
 use super::track::Track;
 use crate::msg::topics;
-use crate::record::PROGRAM;
 use crate::record::bag::{Channel, Contents};
 use crate::record::reader::{Bag, Item, ReadError};
+use crate::record::target::DESCRIPTION;
+use crate::record::{PROGRAM, metadata};
 
 /// What a bag holds, and how much of it is whole.
 #[derive(Debug, Default)]
@@ -16,6 +18,9 @@ pub struct Account {
     pub own: bool,
     /// Its files in order.
     pub files: Vec<File>,
+    /// Whether rosbag2's description of the folder, without which ROS 2 does not open it, names all
+    /// of them.
+    pub described: bool,
     /// Messages that are whole, or came beside what is.
     pub kept: u64,
     /// Messages that belong to an answer that was cut off.
@@ -95,6 +100,7 @@ impl Account {
             (account.whole, account.kept) = (track.messages(), track.messages());
         }
         account.dropped = track.messages() - account.kept;
+        account.described = !bag.path().is_dir() || is_described(bag.path(), &account.files);
         Ok(account)
     }
 
@@ -104,10 +110,10 @@ impl Account {
         self.files.iter().any(|file| file.damage.is_some())
     }
 
-    /// Whether every file is whole, and every answer.
+    /// Whether every file is whole, and every answer, and the description of the folder.
     #[must_use]
     pub fn is_whole(&self) -> bool {
-        !self.is_damaged() && self.dropped == 0
+        !self.is_damaged() && self.dropped == 0 && self.described
     }
 
     fn take(&mut self, item: Item, file: &mut File, track: &mut Track) {
@@ -135,4 +141,14 @@ impl Account {
             Item::Attachment { .. } => {}
         }
     }
+}
+
+fn is_described(folder: &Path, files: &[File]) -> bool {
+    let Ok(text) = fs::read_to_string(folder.join(DESCRIPTION)) else { return false };
+    let names = |file: &File| {
+        let name = file.path.file_name().unwrap_or_default().to_string_lossy();
+        // Others write names without quotes, where they can.
+        text.contains(&*name) || text.contains(&metadata::quoted(&name))
+    };
+    files.iter().all(names)
 }

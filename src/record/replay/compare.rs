@@ -62,7 +62,8 @@ impl Compared {
         painter: &Painter,
     ) -> Result<(), Difference> {
         if served.len() != step.answers.len() {
-            let (recorded, replayed) = (step.answers.len(), served.len());
+            let [recorded, replayed] =
+                [step.answers.len(), served.len()].map(|count| count.to_string());
             return Err(self.difference("answers", "their number", recorded, replayed));
         }
         for (recorded, served) in step.answers.iter().zip(served) {
@@ -129,9 +130,9 @@ impl Compared {
         let painter = Some(painter).filter(|painter| painter.records(self.increment));
         answer::each(served, painter, &wants, &mut |topic, message| {
             let name = topic.recorded_name();
-            message
-                .encode(&mut bytes)
-                .map_err(|error| self.difference(&name, "as a whole", "a message", error))?;
+            message.encode(&mut bytes).map_err(|error| {
+                self.difference(&name, "as a whole", "a message", error.to_string())
+            })?;
             let place = left
                 .iter_mut()
                 .find(|message| message.is_some_and(|message| message.channel.topic == name));
@@ -163,15 +164,15 @@ impl Compared {
         &self,
         topic: &str,
         field: &str,
-        recorded: impl ToString,
-        replayed: impl ToString,
+        recorded: impl Into<String>,
+        replayed: impl Into<String>,
     ) -> Difference {
         Difference {
             increment: self.increment,
             topic: topic.into(),
             field: field.into(),
-            recorded: recorded.to_string(),
-            replayed: replayed.to_string(),
+            recorded: recorded.into(),
+            replayed: replayed.into(),
         }
     }
 }
