@@ -1,4 +1,4 @@
-//! What recording costs: `cargo bench --bench record`.
+//! What recording costs: `cargo bench --bench record -- 1 2`, for one thread and for two.
 //!
 //! The benchmark pack is strained up and down, a hundred increments, without a recorder and with
 //! every kind of recording, in turn, round after round: what the machine does meanwhile meets all
@@ -35,7 +35,8 @@ fn main() -> Result<()> {
     let job = scene::load(&root.join("tests/data/g2740.yaml"))?;
     let pack = pack::build(&job)?;
     println!("{} grains, {INCREMENTS} increments, medians of {ROUNDS} runs", pack.grains.len());
-    for threads in [1, 2] {
+    // Cargo adds an argument of its own.
+    for threads in std::env::args().filter_map(|argument| argument.parse().ok()) {
         compare(&job.scene, &pack, threads)?;
     }
     Ok(())

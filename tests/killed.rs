@@ -24,6 +24,12 @@ const KILLS: usize = 56;
 /// Every so many kills, the readers of others are asked too: starting them takes long.
 const PEERS: usize = 14;
 
+/// Every so many kills, the recording is gone on with to its end.
+const RESUMES: usize = 4;
+
+/// Commands of a run that nobody kills.
+const COMMANDS: u64 = 10_000;
+
 /// Small chunks; every other recording is split.
 const RECORD: [&str; 2] = [
     "{chunk: 1 MiB, compression: none}",
@@ -80,9 +86,32 @@ fn increment(account: &Account) -> Option<u64> {
     account.answers.last.as_ref().map(|(_, _, increment)| *increment)
 }
 
+/// Runs the program in `folder`; it must end well.
+fn graintwin(folder: &Path, arguments: &[&str]) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_graintwin"));
+    let output = command.args(arguments).current_dir(folder).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments:?}: {said}");
+}
+
+/// The digest of the state at the end of a recording that ended in order.
+fn state(bag: &Path) -> String {
+    let end = Bag::open(bag).unwrap().survey().unwrap().metadata;
+    end["graintwin_end"]["state"].clone()
+}
+
+/// Who looks at what a kill left.
+#[derive(Clone, Copy, Debug, Default)]
+struct Looks {
+    /// The readers of others.
+    peers: bool,
+    /// Whoever goes on with it.
+    resumes: bool,
+}
+
 /// Kills a recording and looks at what is left; says whether a file was cut off in the middle of the
-/// recording.
-fn kill_and_recover(folder: &Path, moment: Moment, peers: bool) -> bool {
+/// recording. A run that is gone on with must end in the state `undisturbed`.
+fn kill_and_recover(folder: &Path, moment: Moment, looks: Looks, undisturbed: &str) -> bool {
     kill(folder, moment);
     let run = folder.join("run");
     if parts(&run).is_empty() {
@@ -114,8 +143,17 @@ fn kill_and_recover(folder: &Path, moment: Moment, peers: bool) -> bool {
     in_place(&run).unwrap();
     let in_place = account(&run);
     assert!(in_place.is_whole() && in_place.answers == again.answers);
-    if peers && served > 0 {
+    if again.answers.starts > 0 {
+        graintwin(folder, &["replay", "whole", "--verify"]);
+    }
+    if looks.peers && served > 0 {
         taken_by_peers(&whole);
+    }
+    if looks.resumes && served > 0 {
+        let again = ["run", "scene.yaml", "--commands", "path.csv", "--resume", "run"];
+        graintwin(folder, &again);
+        assert_eq!(increment(&account(&run)), Some(COMMANDS));
+        assert_eq!(state(&run), undisturbed);
     }
     left.is_damaged() && served > 0
 }
@@ -130,6 +168,10 @@ fn taken_by_peers(whole: &Path) {
 #[test]
 fn a_recording_killed_at_any_moment_is_whole_up_to_its_last_complete_increment() {
     let mut random = Pcg64Mcg::seed_from_u64(20_261_122);
+    let whole = tempfile::tempdir().unwrap();
+    write_bead(whole.path(), RECORD[0], COMMANDS);
+    assert!(run_and_record(whole.path()).stdout(Stdio::null()).status().unwrap().success());
+    let undisturbed = state(&whole.path().join("run"));
     let mut damaged = 0;
     for number in 0..KILLS {
         let split = number % 2;
@@ -143,9 +185,10 @@ fn a_recording_killed_at_any_moment_is_whole_up_to_its_last_complete_increment()
         };
         println!("kill {number}: {moment:?}, split {split}");
         let folder = tempfile::tempdir().unwrap();
-        write_bead(folder.path(), RECORD[split], 10_000);
-        let peers = number % PEERS == PEERS - 1;
-        damaged += usize::from(kill_and_recover(folder.path(), moment, peers));
+        write_bead(folder.path(), RECORD[split], COMMANDS);
+        let looks =
+            Looks { peers: number % PEERS == PEERS - 1, resumes: number % RESUMES == RESUMES - 1 };
+        damaged += usize::from(kill_and_recover(folder.path(), moment, looks, &undisturbed));
     }
     // The test means something only where most programs were killed while they wrote.
     assert!(damaged > KILLS / 2, "{damaged} of {KILLS}");

@@ -67,7 +67,6 @@ impl Recording {
     }
 
     /// The recording for the node.
-    #[cfg(feature = "ros")]
     pub(super) fn handle(&self) -> Arc<dyn graintwin::sink::Recording> {
         Arc::new(self.recorder.handle())
     }

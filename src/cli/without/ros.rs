@@ -1,4 +1,5 @@
 //! No node without the feature `ros`.
+#![allow(clippy::needless_pass_by_value, reason = "the real ones keep what they are given")]
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
