@@ -46,10 +46,5 @@ impl ServerListener for Listener {
 
     fn on_client_connect(&self) {
         self.clients.fetch_add(1, Ordering::Relaxed);
-        tracing::info!("a client has connected to the Foxglove server");
-    }
-
-    fn on_client_disconnect(&self) {
-        tracing::info!("a client has left the Foxglove server");
     }
 }
