@@ -15,15 +15,20 @@ mod python;
 #[path = "common/viewer.rs"]
 mod viewer;
 
-use std::net::TcpListener;
+use std::io::{Read, Write};
+use std::net::{TcpListener, TcpStream};
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
+use graintwin::msg::topics;
+use graintwin::pack::{Grain, Pack};
 use graintwin::report::Demand;
 use graintwin::scene;
-use graintwin::sink::Sink;
+use graintwin::sink::{Served, Sink};
+use graintwin::twin::Twin;
 use graintwin::view::foxglove::{ServeError, Server};
 use graintwin::view::picture::Painter;
 use graintwin::wall::Bounds;
@@ -169,6 +174,69 @@ fn networks_and_grains_are_asked_for_while_somebody_looks_at_markers() {
     drop(viewer);
     becomes(small);
     assert_eq!(server.stop().clients, 1);
+}
+
+#[test]
+fn a_viewer_that_reads_nothing_holds_up_neither_the_twin_nor_the_end() {
+    let scene = scene::parse(ONE_GRAIN, Path::new("scene.yaml")).unwrap();
+    let bounds = Bounds { min: [-1e-3; 3], max: [1e-3; 3] };
+    let (young, poisson, density, friction) = (70e9, 0.2, 2.5e3, 0.0);
+    let grain = Grain { position: [0.0; 3], radius: 1.00001e-3, young, poisson, density, friction };
+    let pack = Pack { bounds, grains: vec![grain], history: None };
+    let report = Twin::new(&scene, &pack, 1).unwrap().start(Demand::ALL);
+    let served = Arc::new(Served { command: None, report });
+
+    let mut server = Server::start("127.0.0.1:0".parse().unwrap()).unwrap();
+    let mut sink = server.sink(Painter::new(&scene, &bounds)).unwrap();
+    let stalled = subscribe_and_stall(&server.address().to_string());
+    let until = Instant::now() + Duration::from_secs(60);
+    while sink.demand() != Demand::ALL {
+        assert!(Instant::now() < until, "{:?}", sink.demand());
+        thread::sleep(Duration::from_millis(5));
+    }
+    // Far more than the sockets between them hold.
+    for _ in 0..10_000 {
+        sink.served(&served);
+    }
+    assert_eq!(server.stop().clients, 1);
+    drop(stalled);
+}
+
+/// Subscribes to everything by hand, and reads no more.
+fn subscribe_and_stall(address: &str) -> TcpStream {
+    let mut stream = TcpStream::connect(address).unwrap();
+    let hello = format!(
+        "GET / HTTP/1.1\r\nHost: {address}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
+         Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\
+         Sec-WebSocket-Protocol: foxglove.sdk.v1\r\n\r\n"
+    );
+    stream.write_all(hello.as_bytes()).unwrap();
+    let topics = 3 + topics::measures().count();
+    let mut said = Vec::new();
+    let mut buffer = [0; 4096];
+    let ids: Vec<u64> = loop {
+        let count = stream.read(&mut buffer).unwrap();
+        assert!(count > 0, "{}", String::from_utf8_lossy(&said));
+        said.extend_from_slice(&buffer[..count]);
+        let text = String::from_utf8_lossy(&said);
+        let channels = text.split("{\"id\":").skip(1);
+        let ids: Vec<_> = channels
+            .filter_map(|channel| channel.split_once(",\"topic\":")?.0.parse().ok())
+            .collect();
+        if ids.len() == topics {
+            break ids;
+        }
+    };
+    let wanted: Vec<Value> =
+        ids.iter().enumerate().map(|(k, id)| json!({"id": k, "channelId": id})).collect();
+    let text = json!({"op": "subscribe", "subscriptions": wanted}).to_string();
+    // A text frame, masked with zeros.
+    let mut frame = vec![0x81, 0x80 | 126];
+    frame.extend(u16::try_from(text.len()).unwrap().to_be_bytes());
+    frame.extend([0; 4]);
+    frame.extend(text.as_bytes());
+    stream.write_all(&frame).unwrap();
+    stream
 }
 
 fn graintwin(folder: &Path, arguments: &[&str]) -> Command {
