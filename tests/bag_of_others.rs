@@ -8,6 +8,7 @@ mod python;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process;
+use std::time::{Duration, Instant};
 
 use graintwin::command::request::Intake;
 use graintwin::command::{Ask, Command, Mode, Stamp};
@@ -334,6 +335,36 @@ fn a_run_of_a_rigs_recording_equals_that_of_the_same_path_to_the_bit() {
     let found = answers(&at("of_rig"));
     assert_eq!(found.len(), 2 * 7);
     assert_eq!(found, answers(&at("of_table")));
+
+    // The six commands are a second apart: at ten times the pace they take half a second.
+    let program = |arguments: &[&str]| {
+        let ended = process::Command::new(env!("CARGO_BIN_EXE_graintwin"))
+            .current_dir(parent.path())
+            .args(arguments)
+            .output()
+            .unwrap();
+        assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
+    };
+    let bag = folder.to_str().unwrap();
+    let start = Instant::now();
+    program(&[
+        "replay",
+        bag,
+        "--scene",
+        "scene.yaml",
+        "--topic",
+        "/press/joint_states",
+        "--rate",
+        "10",
+        "--record",
+        "replayed",
+    ]);
+    assert!(start.elapsed() >= Duration::from_millis(500));
+    assert_eq!(answers(&at("replayed")), found);
+    // Without a name the only topic with joints is meant, and then nothing of the rig is needed.
+    program(&["replay", bag, "--scene", "scene.yaml", "--record", "nameless"]);
+    assert_eq!(answers(&at("nameless")), found);
+    program(&["replay", "replayed", "--verify"]);
 }
 
 #[test]

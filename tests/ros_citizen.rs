@@ -127,7 +127,7 @@ fn a_renamed_node_obeys_its_topics_and_its_parameters_answer_a_cyclone_peer() {
 fn parameters_are_told(told: &Value) {
     let names = told["list"]["result"]["names"].as_array().unwrap();
     assert!(names.contains(&json!("stale_after")) && names.contains(&json!("use_sim_time")));
-    assert_eq!(told["list"]["result"]["prefixes"], json!(["limits", "solver"]));
+    assert_eq!(told["list"]["result"]["prefixes"], json!(["limits", "solver", "view"]));
     let below = ["clamp", "force", "rate", "strain", "travel"].map(|name| format!("limits.{name}"));
     assert_eq!(told["list_below"]["result"]["names"], json!(below));
     assert_eq!(told["types"]["types"], json!([4, 3, 1, 0]));

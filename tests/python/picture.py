@@ -194,7 +194,9 @@ def check_frames(told):
     for messages in told.values():
         for message in messages:
             parts = message.get("markers") or message.get("transforms") or [message]
-            used |= {part["header"]["frame_id"] for part in parts}
+            used |= {part["header"]["frame_id"] for part in parts if "header" in part}
+    # What is about no place, as diagnostics are, names no frame.
+    used.discard("")
     assert {root(frame) for frame in used} == {"world"}, used
     assert parents["pack_view"] == "world" and parents["wall_x_min"] == "pack"
     for one in frames["transforms"]:
