@@ -5,6 +5,8 @@ mod bench;
 mod check;
 mod completions;
 mod failure;
+#[cfg_attr(not(feature = "foxglove"), path = "cli/without/foxglove.rs")]
+mod foxglove;
 mod generate;
 mod given;
 mod job;

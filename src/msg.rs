@@ -6,9 +6,9 @@
 //! [`standard`]: the generated crates for them hold thousands of types, and tie a build without
 //! DDS to their choice of it.
 
-#[cfg(feature = "mcap")]
+#[cfg(any(feature = "mcap", feature = "foxglove"))]
 pub mod answer;
-#[cfg(feature = "mcap")]
+#[cfg(any(feature = "mcap", feature = "foxglove"))]
 pub mod cdr;
 mod circumstance;
 pub mod convert;

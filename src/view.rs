@@ -10,6 +10,8 @@ mod chart;
 mod draw;
 #[cfg(feature = "mcap")]
 mod forces;
+#[cfg(feature = "foxglove")]
+pub mod foxglove;
 #[cfg(feature = "mcap")]
 mod history;
 mod layout;

@@ -11,6 +11,7 @@ use graintwin::sink::Sink;
 use graintwin::twin::Twin;
 use graintwin::view::picture::Painter;
 
+use super::foxglove::Live;
 use super::orders::{Broken, Feed, Orders};
 use super::progress::Progress;
 use super::recording::Recording;
@@ -32,6 +33,8 @@ pub(super) struct Job<'a> {
     pub(super) setup: Option<Setup>,
     /// Who sends the commands when there is a node.
     pub(super) sender: Sender,
+    /// The live server, when there is to be one.
+    pub(super) live: Option<Live>,
     /// Where to record.
     pub(super) record: Option<&'a Path>,
     /// The recording to go on with.
@@ -53,7 +56,7 @@ pub(super) enum Sender {
 
 /// Does it, and says what came of it.
 pub(super) fn carry_out(job: Job<'_>) -> Result<Outcome, Failure> {
-    let Job { cli, bars, stop, loaded, feed, setup, sender, record, earlier, json } = job;
+    let Job { cli, bars, stop, loaded, feed, setup, sender, live, record, earlier, json } = job;
     record.map(recording::reserve).transpose()?;
     let specimen = match &earlier {
         Some(earlier) => Specimen { pack: earlier.pack(&loaded)?, prepared: Vec::new() },
@@ -81,6 +84,8 @@ pub(super) fn carry_out(job: Job<'_>) -> Result<Outcome, Failure> {
     let broken = Broken::default();
     let mut link = None;
     let painter = Painter::new(&loaded.scene, &pack.bounds);
+    let mut live = live;
+    let shown = live.as_mut().map(|live| live.sink(painter.clone())).transpose()?;
     let (mut orders, length) = match setup.map(|setup| ros::drawn_by(setup, painter)) {
         None => {
             let length = orders.length();
@@ -105,6 +110,7 @@ pub(super) fn carry_out(job: Job<'_>) -> Result<Outcome, Failure> {
         // Who makes the next command must have heard of the last one first.
         let mut sinks: Vec<Box<dyn Sink + '_>> = vec![Box::new(whereabouts)];
         sinks.extend(link.as_ref().map(Link::sink));
+        sinks.extend(shown);
         sinks.extend(recording.as_mut().map(|recording| Box::new(recording) as Box<dyn Sink>));
         sinks.push(Box::new(&mut summary));
         sinks.push(Box::new(Progress::new(length, bars)));
@@ -124,6 +130,9 @@ pub(super) fn carry_out(job: Job<'_>) -> Result<Outcome, Failure> {
     };
     if let Some(link) = link {
         link.end_into(&mut summary);
+    }
+    if let Some(live) = live {
+        live.end();
     }
     if let Some(recording) = recording {
         recording.end(&twin, &mut summary);

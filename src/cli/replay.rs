@@ -27,7 +27,7 @@ use super::recording::{self, Recording};
 use super::ros::Link;
 use super::specimen::Specimen;
 use super::summary::Summary;
-use super::{Cli, Failure, Outcome, given, output, ros, serve, stop};
+use super::{Cli, Failure, Outcome, foxglove, given, output, ros, serve, stop};
 use verdict::Verdict;
 
 /// Makes a recorded run again from the recording alone, or shows it live.
@@ -38,7 +38,8 @@ use verdict::Verdict;
 /// and the processor make no difference; a recording of another version may differ.
 ///
 /// With --ros the answers go out on the topics of the node /graintwin, at the pace of the
-/// recording unless --rate says otherwise; commands on its topics are not taken meanwhile.
+/// recording unless --rate says otherwise; commands on its topics are not taken meanwhile. A program
+/// that was built with the feature `foxglove` shows them to viewers with --foxglove.
 ///
 /// A bag of another program, as a rig's joint states from ros2 bag record, needs a --scene that says
 /// what the specimen is and maps its joints to walls; its commands are then served.
@@ -64,7 +65,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "NAME", requires = "scene", conflicts_with = "verify")]
     topic: Option<String>,
 
-    /// Pace as a multiple of the recorded one, or `full` [default: 1 with --ros, else full].
+    /// Pace as a multiple of the recorded one, or `full` [default: 1 with --ros or
+    /// --foxglove, else full].
     #[arg(long, value_name = "R")]
     rate: Option<Rate>,
 
@@ -76,6 +78,9 @@ pub(super) struct Args {
     #[cfg(feature = "ros")]
     #[arg(long)]
     ros: bool,
+
+    #[command(flatten)]
+    foxglove: foxglove::Asked,
 
     /// Prints the summary, or with --verify the verdict, as one JSON object (SI units).
     #[arg(long)]
@@ -117,13 +122,26 @@ fn others(
         return Ok(Outcome::Done);
     }
     let setup = ros::setup(args.ros(), cli, &mut loaded.scene, log)?;
+    let live = args.foxglove.start()?;
     let stop = stop::on_signal()?;
-    let pace = Pace::new(args.rate(setup.is_some()), Arc::clone(&stop));
+    let pace = Pace::new(args.rate(setup.is_some() || live.is_some()), Arc::clone(&stop));
     let source = Source::new(&loaded.scene.node, args.topic.as_deref());
     let feed = Feed::Recorded(given::recorded(&args.bag, &source, Some(pace))?);
     let (record, json) = (args.record.as_deref(), args.json);
     let (sender, earlier) = (Sender::Nobody, None);
-    job::carry_out(Job { cli, bars, stop, loaded, feed, setup, sender, record, earlier, json })
+    job::carry_out(Job {
+        cli,
+        bars,
+        stop,
+        loaded,
+        feed,
+        setup,
+        sender,
+        live,
+        record,
+        earlier,
+        json,
+    })
 }
 
 /// Makes a recording of this program again.
@@ -148,9 +166,11 @@ fn own(
     let stop = stop::on_signal()?;
     let mut of_node = loaded.scene.clone();
     let setup = ros::setup(args.ros(), cli, &mut of_node, log)?;
-    let pace = Pace::new(args.rate(setup.is_some()), Arc::clone(&stop));
+    let mut live = args.foxglove.start()?;
+    let pace = Pace::new(args.rate(setup.is_some() || live.is_some()), Arc::clone(&stop));
     // Of this scene: the command line may scale what is shown.
     let shown = Painter::new(&of_node, &replay.pack.bounds);
+    let seen = live.as_mut().map(|live| live.sink(shown.clone())).transpose()?;
     let setup = setup.map(|setup| ros::drawn_by(setup, shown));
     let mut link = setup.map(|setup| Link::showing(&of_node, setup, &stop)).transpose()?;
     let recording = args
@@ -169,6 +189,7 @@ fn own(
     let ended = {
         let mut sinks: Vec<Box<dyn Sink + '_>> = Vec::new();
         sinks.extend(link.as_ref().map(Link::sink));
+        sinks.extend(seen);
         sinks.extend(recording.as_mut().map(|recording| Box::new(recording) as Box<dyn Sink>));
         sinks.push(Box::new(&mut summary));
         sinks.push(Box::new(Progress::new(None, bars)));
@@ -177,6 +198,9 @@ fn own(
     let compared = run.compared.take();
     if let Some(link) = link {
         link.end_into(&mut summary);
+    }
+    if let Some(live) = live {
+        live.end();
     }
     if let Some(recording) = recording {
         recording.end(&twin, &mut summary);

@@ -9,7 +9,7 @@ use super::job::{self, Job, Sender};
 use super::log::ForNode;
 use super::orders::Feed;
 use super::resume::Earlier;
-use super::{Cli, Failure, Outcome, given, ros, stop};
+use super::{Cli, Failure, Outcome, foxglove, given, ros, stop};
 
 /// Makes or loads the pack of a scene and serves commands until they end or Ctrl-C.
 ///
@@ -58,6 +58,9 @@ pub(super) struct Args {
     #[arg(long)]
     ros: bool,
 
+    #[command(flatten)]
+    foxglove: foxglove::Asked,
+
     /// Prints the summary as one JSON object (SI units).
     #[arg(long)]
     json: bool,
@@ -90,8 +93,21 @@ pub(super) fn run(
     };
     let feed = feed.unwrap_or(Feed::Scene);
     let (record, json) = (args.record(), args.json);
+    let live = args.foxglove.start()?;
     let stop = stop::on_signal()?;
-    job::carry_out(Job { cli, bars, stop, loaded, feed, setup, sender, record, earlier, json })
+    job::carry_out(Job {
+        cli,
+        bars,
+        stop,
+        loaded,
+        feed,
+        setup,
+        sender,
+        live,
+        record,
+        earlier,
+        json,
+    })
 }
 
 impl Args {

@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// The peers; exact versions, so that a new release cannot break an old test.
-const PACKAGES: [&str; 9] = [
+const PACKAGES: [&str; 10] = [
     "mcap==1.6.0",
     "mcap-ros2-support==0.6.0",
     "rosbags==0.11.9",
+    "websockets==17.4",
     "cyclonedds==11.0.1",
     "catkin_pkg==1.1.1",
     "colcon-ros==0.5.0",
