@@ -1,7 +1,7 @@
 //! Recordings: a rosbag2 folder with MCAP files, written on a thread of its own.
 //!
 //! A recording holds every command with its report and every measure, each under the topic of
-//! [`topics`](crate::msg::topics), and what came and went beside them; as attachments what made it:
+//! [`topics`], and what came and went beside them; as attachments what made it:
 //! `scene.yaml`, `pack.csv` and `pack.json`, with version, features, kernels and threads in a
 //! metadata record. ROS 2 plays it. [`scene::Record`] chooses topics.
 //!

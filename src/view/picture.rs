@@ -1,7 +1,7 @@
 //! Pictures of an increment for 3D viewers: a cloud of the grains, and markers.
 //!
 //! Packs are millimetres, viewers are made for robots. So pictures stand in a frame of their own,
-//! [`VIEW_FRAME`](crate::msg::topics::VIEW_FRAME), in which everything that is a length of the
+//! [`VIEW_FRAME`], in which everything that is a length of the
 //! picture is [`Painter::scale`] times what it is in the pack.
 //!
 //! Every marker array has the same markers under the same names, those without anything to draw
