@@ -1,9 +1,10 @@
 //! What recording costs: `cargo bench --bench record -- 1 2`, for one thread and for two.
 //!
-//! The benchmark pack is strained up and down, a hundred increments, without a recorder and with
+//! The benchmark pack is strained up and down, two hundred increments, without a recorder and with
 //! every kind of recording, in turn, round after round: what the machine does meanwhile meets all
 //! alike. A run ends when the recording is on the disk. Shown are the medians of the whole run,
-//! their ratio to the run without recorder, and the size of the recording per increment.
+//! their ratio to the run without recorder, what of it is spent at the end, when all is put on the disk,
+//! and the size of the recording per increment.
 #![allow(clippy::print_stdout, reason = "a benchmark reports on stdout")]
 
 use std::path::Path;
@@ -21,8 +22,8 @@ use graintwin::view::picture::Painter;
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
-const ROUNDS: usize = 5;
-const INCREMENTS: u64 = 100;
+const ROUNDS: usize = 7;
+const INCREMENTS: u64 = 200;
 const STEPS_UP: u64 = 10;
 /// Of each increment.
 const STRAIN: f64 = 1e-4;
@@ -42,8 +43,18 @@ fn main() -> Result<()> {
     Ok(())
 }
 
+/// What is done with the answers.
+enum Kind {
+    /// What the summary of a run wants is measured.
+    Summary,
+    /// Everything is measured and nothing kept: what of the cost is no recording.
+    Measured,
+    /// Everything is recorded so.
+    Recorded(Record),
+}
+
 /// The recordings that are compared.
-fn kinds() -> Vec<(&'static str, Option<Record>)> {
+fn kinds() -> Vec<(&'static str, Kind)> {
     let zstd = |level| Record { level: Some(level), ..Record::default() };
     let packed = |compression| Record { compression, ..Record::default() };
     let without = |topics: &[&str]| Record {
@@ -52,64 +63,73 @@ fn kinds() -> Vec<(&'static str, Option<Record>)> {
     };
     let split = Split { size: Some(8 << 20), duration: None };
     vec![
-        ("no recorder", None),
-        ("zstd (default)", Some(Record::default())),
-        ("zstd, split at 8 MiB", Some(Record { split, ..Record::default() })),
-        ("zstd, level 1", Some(zstd(1))),
-        ("zstd, level 9", Some(zstd(9))),
-        ("lz4", Some(packed(Compression::Lz4))),
-        ("none", Some(packed(Compression::None))),
-        ("zstd, no pictures", Some(without(&["grains", "markers"]))),
-        ("zstd, no networks", Some(without(&["contact_network"]))),
-        ("zstd, neither", Some(without(&["contact_network", "grains", "markers"]))),
+        ("no recorder", Kind::Summary),
+        ("measured, dropped", Kind::Measured),
+        ("zstd (default)", Kind::Recorded(Record::default())),
+        ("zstd, split at 8 MiB", Kind::Recorded(Record { split, ..Record::default() })),
+        ("zstd, level 3", Kind::Recorded(zstd(3))),
+        ("zstd, level 9", Kind::Recorded(zstd(9))),
+        ("lz4", Kind::Recorded(packed(Compression::Lz4))),
+        ("none", Kind::Recorded(packed(Compression::None))),
+        ("zstd, no pictures", Kind::Recorded(without(&["grains", "markers"]))),
+        ("zstd, no networks", Kind::Recorded(without(&["contact_network"]))),
+        ("zstd, neither", Kind::Recorded(without(&["contact_network", "grains", "markers"]))),
     ]
 }
 
 fn compare(scene: &Scene, pack: &Pack, threads: usize) -> Result<()> {
     let kinds = kinds();
     let mut times = vec![Vec::new(); kinds.len()];
+    let mut ends = vec![Vec::new(); kinds.len()];
     let mut sizes = vec![0; kinds.len()];
     for _ in 0..ROUNDS {
-        for (place, (_, settings)) in kinds.iter().enumerate() {
-            let (time, size) = run(scene, pack, threads, settings.as_ref())?;
+        for (place, (_, kind)) in kinds.iter().enumerate() {
+            let (time, end, size) = run(scene, pack, threads, kind)?;
             times[place].push(time);
+            ends[place].push(end);
             sizes[place] = size;
         }
     }
-    println!("\n{threads} threads        run        ratio   per increment");
+    println!("\n{threads} threads        run        ratio   at the end   per increment");
     let without = median(&mut times[0]);
     for (place, (name, _)) in kinds.iter().enumerate() {
         let time = median(&mut times[place]);
         println!(
-            "{name:<20} {:>7.3} s   {:>6.3}   {:>8.1} kB",
+            "{name:<20} {:>7.3} s   {:>6.3}   {:>7.1} ms   {:>8.1} kB",
             time.as_secs_f64(),
             time.as_secs_f64() / without.as_secs_f64(),
+            median(&mut ends[place]).as_secs_f64() * 1e3,
             sizes[place] as f64 * 1e-3 / INCREMENTS as f64
         );
     }
     Ok(())
 }
 
-/// Time of a whole run and size of its recording \[bytes\].
+/// Time of a whole run, that part of it after the last increment, and size of its recording
+/// \[bytes\].
 fn run(
     scene: &Scene,
     pack: &Pack,
     threads: usize,
-    settings: Option<&Record>,
-) -> Result<(Duration, u64)> {
+    kind: &Kind,
+) -> Result<(Duration, Duration, u64)> {
     let parent = tempfile::tempdir()?;
     let mut twin = Twin::new(scene, pack, threads)?;
     let start = Instant::now();
-    let mut recorder = match settings {
-        Some(settings) => {
+    let mut recorder = match kind {
+        Kind::Recorded(settings) => {
             let made = provenance(scene, pack, threads);
             Some(Recorder::create(&parent.path().join("run"), settings, &made)?)
         }
-        None => None,
+        Kind::Summary | Kind::Measured => None,
     };
     for sequence in 0..=INCREMENTS {
         // What it wants differs from increment to increment.
-        let demand = recorder.as_ref().map_or(SUMMARY, |recorder| recorder.demand().or(SUMMARY));
+        let demand = match (kind, &recorder) {
+            (Kind::Measured, _) => Demand::ALL,
+            (_, Some(recorder)) => recorder.demand().or(SUMMARY),
+            (_, None) => SUMMARY,
+        };
         let command = (sequence > 0).then(|| command(sequence, pack.bounds.sides()[2]));
         let report = match &command {
             None => twin.start(demand),
@@ -119,8 +139,10 @@ fn run(
             recorder.served(&Arc::new(Served { command, report }));
         }
     }
+    let served = start.elapsed();
     let size = recorder.map(Recorder::finish).transpose()?.map_or(0, |recorded| recorded.bytes);
-    Ok((start.elapsed(), size))
+    let whole = start.elapsed();
+    Ok((whole, whole - served, size))
 }
 
 /// Up and down, ten increments each.
@@ -146,7 +168,7 @@ fn provenance(scene: &Scene, pack: &Pack, threads: usize) -> Provenance {
         pack_history: None,
         threads,
         seed: 1,
-        painter: Some(Painter::new(scene, &pack.bounds)),
+        painter: Some(Painter::new(scene, &pack.bounds, pack.grains.len())),
     }
 }
 

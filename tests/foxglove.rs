@@ -158,7 +158,7 @@ fn networks_and_grains_are_asked_for_while_somebody_looks_at_markers() {
     let mut server = Server::start("127.0.0.1:0".parse().unwrap()).unwrap();
     let scene = scene::parse(ONE_GRAIN, Path::new("scene.yaml")).unwrap();
     let bounds = Bounds { min: [-1e-3; 3], max: [1e-3; 3] };
-    let sink = server.sink(Painter::new(&scene, &bounds)).unwrap();
+    let sink = server.sink(Painter::new(&scene, &bounds, 1)).unwrap();
     let small = Demand { state: true, moduli: true, ..Demand::default() };
     assert_eq!(sink.demand(), small);
     let address = server.address().to_string();
@@ -187,7 +187,7 @@ fn a_viewer_that_reads_nothing_holds_up_neither_the_twin_nor_the_end() {
     let served = Arc::new(Served { command: None, report });
 
     let mut server = Server::start("127.0.0.1:0".parse().unwrap()).unwrap();
-    let mut sink = server.sink(Painter::new(&scene, &bounds)).unwrap();
+    let mut sink = server.sink(Painter::new(&scene, &bounds, 1)).unwrap();
     let stalled = subscribe_and_stall(&server.address().to_string());
     let until = Instant::now() + Duration::from_secs(60);
     while sink.demand() != Demand::ALL {

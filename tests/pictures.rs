@@ -132,7 +132,7 @@ fn pictures_are_made_again_whatever_else_is_recorded() {
 }
 
 fn draw(scene: &Scene, measures: &Measures, side: f64) -> MarkerArray {
-    Painter::new(scene, &centered([side; 3])).markers(measures).unwrap()
+    Painter::new(scene, &centered([side; 3]), 1).markers(measures).unwrap()
 }
 
 fn of<'a>(array: &'a MarkerArray, namespace: &'a str) -> impl Iterator<Item = &'a Marker> {
@@ -166,20 +166,37 @@ fn of_more_grains_than_viewers_stand_there_are_no_spheres_but_chains_and_walls()
     assert_eq!(of(&array, "spheres").count(), 0);
     assert_eq!(of(&array, "walls").count(), 6);
     assert!(of(&array, "chains").any(|one| !one.points.is_empty()));
-    let painter = Painter::new(&scene(), &centered([1e-3; 3]));
+    let painter = Painter::new(&scene(), &centered([1e-3; 3]), 1);
     assert_eq!(painter.cloud(&measures).unwrap().width, 20_001);
 }
 
 #[test]
 fn the_scale_is_the_power_of_ten_that_brings_the_largest_side_nearest_to_a_metre() {
-    let scale = |sides| Painter::new(&scene(), &centered(sides)).scale();
+    let scale = |sides| Painter::new(&scene(), &centered(sides), 1).scale();
     assert_eq!(scale([1e-3, 2e-3, 3e-3]), 1000.0);
     assert_eq!(scale([1e-3, 2e-3, 3.2e-3]), 100.0);
     assert_eq!(scale([0.5, 0.1, 0.1]), 1.0);
     assert_eq!(scale([40.0, 1.0, 1.0]), 0.01);
     let mut given = scene();
     given.view.scale = Choice::Given(7.0);
-    assert_eq!(Painter::new(&given, &centered([1e-3; 3])).scale(), 7.0);
+    assert_eq!(Painter::new(&given, &centered([1e-3; 3]), 1).scale(), 7.0);
+}
+
+#[test]
+fn the_first_pictures_are_recorded_then_each_tenth_and_those_of_small_packs_for_longer() {
+    let recorded = |grains| -> Vec<u64> {
+        let painter = Painter::new(&scene(), &centered([1e-3; 3]), grains);
+        (0..45).filter(|&increment| painter.records(increment)).collect()
+    };
+    let ten: Vec<u64> = (0..=10).chain([20, 30, 40]).collect();
+    assert_eq!(recorded(2740), ten);
+    assert_eq!(recorded(100_000), ten);
+    assert_eq!(recorded(1000), (0..=30).chain([40]).collect::<Vec<u64>>());
+    assert_eq!(recorded(120), (0..45).collect::<Vec<u64>>());
+    let mut given = scene();
+    given.view.every = Choice::Given(20);
+    let painter = Painter::new(&given, &centered([1e-3; 3]), 1);
+    assert_eq!((0..45).filter(|&k| painter.records(k)).collect::<Vec<u64>>(), [0, 20, 40]);
 }
 
 #[test]
@@ -193,7 +210,7 @@ fn what_was_not_measured_is_not_drawn_and_what_is_empty_is_deleted() {
         let mut twin = graintwin::twin::Twin::new(&scene(), &pack, 1).unwrap();
         twin.start(demand).measures.unwrap()
     };
-    let painter = Painter::new(&scene(), &pack.bounds);
+    let painter = Painter::new(&scene(), &pack.bounds, pack.grains.len());
     let nothing = start(Demand { grains: false, ..Demand::ALL });
     assert_eq!((painter.cloud(&nothing), painter.markers(&nothing)), (None, None));
 

@@ -114,7 +114,7 @@ fn altered(folder: &Path, change: fn(&mut Report)) -> Value {
         pack_history: None,
         threads: 1,
         seed: 3,
-        painter: Some(Painter::new(&scene, &pack.bounds)),
+        painter: Some(Painter::new(&scene, &pack.bounds, pack.grains.len())),
     };
     let mut recorder =
         Recorder::create(&folder.join("bag"), &Record::default(), &provenance).unwrap();

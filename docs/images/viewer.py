@@ -172,13 +172,17 @@ def photograph(recording, out):
             sys.exit("no screen, and no xvfb-run to stand in for one")
         screen = f"-screen 0 {SIZE[0]}x{SIZE[1]}x24"
         command = ["xvfb-run", "-a", "-s", screen, *command]
-    done = subprocess.run(command, timeout=PATIENCE_SECONDS, capture_output=True, text=True)
+    # What it has to say of the machine would stand in the picture.
+    quiet = {**os.environ, "RUST_LOG": "off"}
+    done = subprocess.run(
+        command, timeout=PATIENCE_SECONDS, capture_output=True, text=True, env=quiet
+    )
     if not Path(out).exists():
         sys.exit(f"the viewer drew nothing: {done.stderr}")
-    # It draws two dots a pixel; a page needs one, and few colours.
+    # It draws two dots a pixel; a page needs one.
     with Image.open(out) as drawn:
         small = drawn.convert("RGB").resize(SIZE, Image.Resampling.LANCZOS)
-    small.quantize(256, dither=Image.Dither.NONE).save(out, optimize=True)
+    small.save(out, optimize=True)
 
 
 def main():

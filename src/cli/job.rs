@@ -83,7 +83,7 @@ pub(super) fn carry_out(job: Job<'_>) -> Result<Outcome, Failure> {
     };
     let broken = Broken::default();
     let mut link = None;
-    let painter = Painter::new(&loaded.scene, &pack.bounds);
+    let painter = Painter::new(&loaded.scene, &pack.bounds, pack.grains.len());
     let mut live = live;
     let shown = live.as_mut().map(|live| live.sink(painter.clone())).transpose()?;
     let (mut orders, length) = match setup.map(|setup| ros::drawn_by(setup, painter)) {

@@ -81,7 +81,7 @@ impl Recording {
 
 /// What makes the recording.
 fn provenance(loaded: &Loaded, pack: &Pack, threads: usize) -> Result<Provenance, Failure> {
-    let painter = Some(Painter::new(&loaded.scene, &pack.bounds));
+    let painter = Some(Painter::new(&loaded.scene, &pack.bounds, pack.grains.len()));
     let pack = pack::texts(pack, HISTORY)?;
     Ok(Provenance {
         scene: loaded.scene.to_yaml()?,

@@ -169,7 +169,7 @@ fn own(
     let mut live = args.foxglove.start()?;
     let pace = Pace::new(args.rate(setup.is_some() || live.is_some()), Arc::clone(&stop));
     // Of this scene: the command line may scale what is shown.
-    let shown = Painter::new(&of_node, &replay.pack.bounds);
+    let shown = Painter::new(&of_node, &replay.pack.bounds, replay.pack.grains.len());
     let seen = live.as_mut().map(|live| live.sink(shown.clone())).transpose()?;
     let setup = setup.map(|setup| ros::drawn_by(setup, shown));
     let mut link = setup.map(|setup| Link::showing(&of_node, setup, &stop)).transpose()?;
@@ -182,7 +182,7 @@ fn own(
         link.diagnose(&loaded.scene, recording.as_ref().map(Recording::handle));
     }
     let compared = args.verify.then(Compared::default);
-    let painter = Painter::new(&replay.scene, &replay.pack.bounds);
+    let painter = Painter::new(&replay.scene, &replay.pack.bounds, replay.pack.grains.len());
     let outputs = loaded.scene.outputs;
     let mut run = Run { twin: &mut twin, pace, outputs, compared, painter };
     let mut tape = replay.tape();

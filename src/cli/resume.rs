@@ -72,7 +72,7 @@ impl Earlier {
         sinks: &mut [Box<dyn Sink + '_>],
     ) -> Result<(), Failure> {
         let replay = self.replay()?;
-        let painter = Painter::new(&replay.scene, &replay.pack.bounds);
+        let painter = Painter::new(&replay.scene, &replay.pack.bounds, replay.pack.grains.len());
         let mut compared = Compared::default();
         for step in replay.tape() {
             let step = step.map_err(Failure::input)?;

@@ -20,7 +20,8 @@ pub struct Record {
     pub chunk: u64,
     /// Compression of the chunks.
     pub compression: Compression,
-    /// Level of zstd, 1 (fast) to 22 (small); without it the library's own, 3.
+    /// Level of zstd, 1 (fast) to 22 (small); without it 1: the low bits of measures do not
+    /// compress, and a run must not wait for its recording.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub level: Option<u32>,
     /// When a new file is begun.

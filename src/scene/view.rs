@@ -34,7 +34,8 @@ pub struct View {
     /// Opacity of the spheres, above 0: those that are not opaque let force chains be seen.
     pub opacity: f64,
     /// Pictures are recorded at every increment that is a multiple of this. `auto`: at the first
-    /// hundred increments, then at each tenth; they are as large as half a contact network.
+    /// ten increments, of small packs at more (30 000 over the number of grains), then at each
+    /// tenth; they are as large as half a contact network.
     pub every: Choice<u64>,
 }
 

@@ -36,7 +36,10 @@ pub fn sheets(history: &History, title: &str) -> Vec<(&'static str, Sheet)> {
     let effort = [solver::iterations(run), solver::residual(run)];
 
     // The most telling first; the later ones stand in where an earlier one has no value.
-    let telling = [&stress, &walls, &moduli, &friction, &forces, &coordination, &volume];
+    let mut telling = vec![&stress, &walls, &friction, &forces, &coordination, &volume];
+    // A path that tells one modulus alone tells little of the stiffness.
+    let place = if moduli.shown().count() > 1 { 2 } else { telling.len() };
+    telling.insert(place, &moduli);
     let overview: Vec<Chart> =
         telling.into_iter().filter(|chart| !chart.is_empty()).take(OVERVIEW).cloned().collect();
     let sheets = [

@@ -24,23 +24,32 @@ use crate::wall::Bounds;
 /// Most grains that are drawn as spheres; of larger packs the cloud has to do.
 pub const MOST_SPHERES: usize = 20_000;
 
+/// Grains of all increments together that are recorded at first: a hundred increments of 300.
+const GRAINS_AT_FIRST: u64 = 30_000;
+
+/// After that, one increment of so many is.
+const EACH: u64 = 10;
+
 /// Draws increments of one specimen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Painter {
     name: String,
     view: View,
     scale: f64,
+    /// Increments from the start that are all recorded when nothing is said of it.
+    first: u64,
 }
 
 impl Painter {
-    /// For the specimen of `scene` in the box `bounds`.
+    /// For the specimen of `scene`, so many `grains` in the box `bounds`.
     #[must_use]
-    pub fn new(scene: &Scene, bounds: &Bounds) -> Self {
+    pub fn new(scene: &Scene, bounds: &Bounds, grains: usize) -> Self {
         let scale = match scene.view.scale {
             Choice::Given(scale) => scale,
             Choice::Auto => power_of_ten(bounds),
         };
-        Self { name: scene.name.clone(), view: scene.view, scale }
+        let first = (GRAINS_AT_FIRST / grains.max(1) as u64).max(EACH);
+        Self { name: scene.name.clone(), view: scene.view, scale, first }
     }
 
     /// Size of the picture over that of the specimen.
@@ -53,7 +62,7 @@ impl Painter {
     #[must_use]
     pub fn records(&self, increment: u64) -> bool {
         match self.view.every {
-            Choice::Auto => increment < 100 || increment.is_multiple_of(10),
+            Choice::Auto => increment < self.first || increment.is_multiple_of(EACH),
             Choice::Given(every) => increment.is_multiple_of(every),
         }
     }

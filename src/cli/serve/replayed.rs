@@ -154,7 +154,7 @@ fn record(folder: &Path, came: Vec<Comes>) -> u64 {
         pack_history: None,
         threads: 1,
         seed: 0,
-        painter: Some(Painter::new(&scene, &pack.bounds)),
+        painter: Some(Painter::new(&scene, &pack.bounds, pack.grains.len())),
     };
     let mut recorder = Recorder::create(folder, &scene.record, &provenance).unwrap();
     let mut source = Came { waiting: came.into(), changes: VecDeque::new() };
@@ -193,7 +193,7 @@ fn verify(folder: &Path, threads: usize) -> Compared {
     let bag = Bag::open(folder).unwrap();
     let replay = Replay::open(&bag, None).unwrap();
     let mut twin = Twin::new(&replay.scene, &replay.pack, threads).unwrap();
-    let painter = Painter::new(&replay.scene, &replay.pack.bounds);
+    let painter = Painter::new(&replay.scene, &replay.pack.bounds, replay.pack.grains.len());
     let mut compared = Compared::default();
     let mut tape = replay.tape();
     for step in &mut tape {

@@ -99,6 +99,9 @@ const HEADER: u64 = 31;
 /// What the index behind a chunk takes for a message.
 const INDEX: u64 = 16;
 
+/// Level of zstd when nothing is said of it.
+const FASTEST: u32 = 1;
+
 impl<W: Write> Part<W> {
     pub(in crate::record) fn new(to: W, settings: &scene::Record) -> Result<Self, BagError> {
         let compression = match settings.compression {
@@ -106,12 +109,16 @@ impl<W: Write> Part<W> {
             Compression::Lz4 => Some(mcap::Compression::Lz4),
             Compression::None => None,
         };
+        let level = match settings.compression {
+            Compression::Zstd => settings.level.unwrap_or(FASTEST),
+            // The library's own.
+            Compression::Lz4 | Compression::None => 0,
+        };
         let mcap = WriteOptions::new()
             .profile("ros2")
             .library(concat!("graintwin ", env!("CARGO_PKG_VERSION")))
             .compression(compression)
-            // 0 is the library's own.
-            .compression_level(settings.level.unwrap_or(0))
+            .compression_level(level)
             // The processors are the solver's.
             .compression_threads(0)
             .chunk_size(None)
