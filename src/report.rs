@@ -99,7 +99,8 @@ pub struct Measures {
     pub network: Option<ContactNetwork>,
     /// Present when [`Demand::grains`] was set.
     pub grains: Option<Grains>,
-    /// Present when [`Demand::grain_motion`] was set and the scene keeps what it takes.
+    /// Present when [`Demand::grain_motion`] was set, or [`Demand::grains`] with a scene whose pictures
+    /// show it, unless the scene says never.
     pub motion: Option<GrainMotion>,
 }
 

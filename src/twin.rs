@@ -69,6 +69,8 @@ pub struct Twin {
     targets: [WallTarget; wall::COUNT],
     /// Where the grains were, when the scene lets their motion be measured.
     past: Option<Past>,
+    /// Whether pictures of the grains show their motion.
+    shows_motion: bool,
 }
 
 impl Twin {
@@ -106,6 +108,7 @@ impl Twin {
             given_history: pack.history.clone().filter(|_| model.friction.is_some()),
             spent: Effort::default(),
             targets: scene.walls.targets.in_order(),
+            shows_motion: scene.view.color.is_of_motion(),
             past: (scene.outputs.grain_motion != When::Never).then(Past::default),
             model,
         })
@@ -319,7 +322,8 @@ impl Twin {
     }
 
     fn measure(&mut self, stamp: Stamp, reached: &Advance, demand: Demand) -> Measures {
-        let motion = if demand.grain_motion { self.motion() } else { None };
+        let wanted = demand.grain_motion || demand.grains && self.shows_motion;
+        let motion = if wanted { self.motion() } else { None };
         let Self { model, state, work, .. } = self;
         let bounds = state.bounds(model);
         work.neighbours.refresh(model, &state.position, &bounds);

@@ -55,7 +55,7 @@ impl Cluster {
         let mut random = Random(seed);
         let sites = (0..side.pow(3)).map(|k| [k % side, k / side % side, k / side / side]);
         let position: Vec<Vec3> = sites
-            .map(|site| Vec3::from(site.map(|at| 2.0 * at as f64)) + random.vector(0.6))
+            .map(|site| Vec3::from(site.map(|at| 2.0 * at as f64)) + random.vector(0.3))
             .collect();
         let radius = position.iter().map(|_| 0.8 + 0.4 * random.next()).collect();
         let count = position.len();
@@ -75,6 +75,14 @@ impl Cluster {
     fn deformations(&self) -> Vec<Deformation> {
         let Self { position, displacement, radius, carries } = self;
         deformations(&Grains { position, displacement, radius, carries })
+    }
+
+    /// Those of grains with enough neighbours, which all but some at corners have.
+    fn known(&self) -> Vec<Deformation> {
+        let mut known = self.deformations();
+        known.retain(|found| !found.d2min.is_nan());
+        assert!(known.len() >= self.position.len() - 8);
+        known
     }
 }
 
@@ -104,7 +112,7 @@ proptest! {
         let gradient = Matrix3::identity() + matrix(entries) * 10f64.powf(size);
         let moved = Cluster::shaken(4, seed).moved(|at| gradient * at + Vec3::from(shift));
         let [shear, loss] = strains(&gradient);
-        for found in moved.deformations() {
+        for found in moved.known() {
             prop_assert!(found.d2min <= 1e-14f64.powi(2) * 100.0, "{found:?}");
             prop_assert!((found.shear_strain - shear).abs() <= 1e-13, "{found:?} {shear:e}");
             prop_assert!((found.volumetric_strain - loss).abs() <= 1e-13, "{found:?} {loss:e}");
@@ -119,7 +127,7 @@ proptest! {
     ) {
         let turn = Rotation3::from_scaled_axis(Vec3::from(axis_angle));
         let moved = Cluster::shaken(4, seed).moved(|at| turn * at + Vec3::from(shift));
-        for found in moved.deformations() {
+        for found in moved.known() {
             let Deformation { d2min, shear_strain, volumetric_strain } = found;
             prop_assert!(d2min <= 1e-13f64.powi(2), "{found:?}");
             prop_assert!(shear_strain.max(volumetric_strain.abs()) <= 1e-13, "{found:?}");
@@ -144,7 +152,7 @@ proptest! {
         let mut other = cluster.clone();
         other.position.iter_mut().for_each(|at| *at = frame * *at + Vec3::from(shift));
         other.displacement.iter_mut().for_each(|moved| *moved = frame * *moved);
-        for (one, other) in cluster.deformations().iter().zip(other.deformations()) {
+        for (one, other) in cluster.known().iter().zip(other.known()) {
             prop_assert!((one.d2min / other.d2min - 1.0).abs() <= 1e-10);
             prop_assert!((one.shear_strain - other.shear_strain).abs() <= 1e-15);
             prop_assert!((one.volumetric_strain - other.volumetric_strain).abs() <= 1e-15);
@@ -205,11 +213,11 @@ fn neighbours_that_do_not_span_the_space_tell_nothing() {
             && found.shear_strain.is_nan()
             && found.volumetric_strain.is_nan()));
     }
-    // Three that do fix the gradient, which leaves nothing.
-    let mut corner = at(&[[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]]);
-    corner.displacement[1] = Vec3::new(3.0, 1.0, -2.0);
-    let found = corner.deformations();
-    assert!(found[0].d2min < 1e-28 && found[0].shear_strain > 0.1);
+    // Three that do fix the gradient, which leaves nothing whatever they do; a fourth tells.
+    let corner = [[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0], [-2.0, 0.0, 0.0]];
+    assert!(at(&corner[..4]).deformations()[0].d2min.is_nan());
+    let mut corner = at(&corner);
+    assert!(corner.deformations()[0].d2min == 0.0);
     // A grain that floats is no neighbour.
     corner.carries[1] = false;
     assert!(corner.deformations()[0].d2min.is_nan());
@@ -280,7 +288,7 @@ proptest! {
         let place = |site: &[f64; 3]| shape * Vec3::from(*site) + Vec3::from(shift);
         let position: Vec<[f64; 3]> =
             sites.iter().map(|site| place(&site.map(f64::from)).into()).collect();
-        let strain = |site: &[u32; 3]| if site[2] / 1 == layer || site[2] == layer + 1 { 1.0 } else { 0.1 };
+        let strain = |site: &[u32; 3]| if site[2] == layer || site[2] == layer + 1 { 1.0 } else { 0.1 };
         let motion = sheared(sites.iter().map(strain).collect());
         let found = band::of(&motion, &position);
         // Planes of equal z become planes whose normal goes as A⁻ᵀ does, 1/|A⁻ᵀ ẑ| apart.
@@ -371,6 +379,10 @@ fn in_a_pack_every_pair_looked_at_gives_the_same_local_deformation() {
                 })
                 .map(|(from, j)| (from, moved[j] - moved[i]))
                 .collect();
+            assert_eq!(rows.len() < 4, found.d2min[i].is_nan(), "{i}");
+            if rows.len() < 4 {
+                continue;
+            }
             let from = DMatrix::from_fn(rows.len(), 3, |row, axis| rows[row].0[axis]);
             let to = DMatrix::from_fn(rows.len(), 3, |row, axis| rows[row].1[axis]);
             let solved = from.clone().svd(true, true).solve(&to, 0.0).unwrap();
@@ -432,6 +444,7 @@ fn the_parts_of_the_displacement_and_the_numbers_of_the_whole_are_what_they_are_
     assert!(close(rotation_participation, turned * turned / (carriers * turned_fourth)));
     let mut d2min: Vec<f64> =
         (0..pack.grains.len()).filter(|&i| found.carries[i]).map(|i| found.d2min[i]).collect();
+    d2min.retain(|d2min| !d2min.is_nan());
     d2min.sort_by(f64::total_cmp);
     let share = |count: usize| {
         d2min.iter().rev().take(count).sum::<f64>() / d2min.iter().sum::<f64>()
@@ -445,7 +458,7 @@ fn the_motions_of_all_increments_add_up_to_the_whole_way_whatever_was_refused_be
     let pack = rough_pack(160, 8);
     let mut scene = frictional_scene();
     scene.node.limits.clamp = true;
-    scene.node.limits.strain = Some(5e-5);
+    scene.node.limits.strain = 5e-5;
     let (mut rig, first) = Rig::start(&scene, &pack);
     let count = pack.grains.len();
     let (mut way, mut turn) = (vec![Vec3::zeros(); count], vec![Vec3::zeros(); count]);
@@ -469,7 +482,8 @@ fn the_motions_of_all_increments_add_up_to_the_whole_way_whatever_was_refused_be
         let mut none = absolute(rig.sequence, squeezed(&pack.bounds, step));
         none.mode = Mode::Unknown(7);
         assert_eq!(rig.twin.apply(&none, Demand::ALL).disposition, Disposition::Invalid);
-        assert!(rig.twin.motion() == held && held.as_ref() == Some(found));
+        let [held, again] = [held, rig.twin.motion()].map(|motion| bits(&motion.unwrap()));
+        assert!(again == held && held == bits(found));
         let report = rig.send(squeezed(&pack.bounds, step));
         seen.push(report.disposition);
         measures = report.measures.unwrap();
@@ -484,18 +498,19 @@ fn a_command_that_finds_no_equilibrium_leaves_the_motion_as_it_was() {
     let mut scene = scene();
     let (mut rig, _) = Rig::start(&scene, &pack);
     rig.go(squeezed(&pack.bounds, 1));
-    let before = rig.twin.motion();
+    let before = bits(&rig.twin.motion().unwrap());
     let mut settings = graintwin::twin::Settings::of(&scene);
     settings.tolerance = 1e-30;
     rig.twin.set(&settings);
     assert_eq!(rig.send(squeezed(&pack.bounds, 2)).disposition, Disposition::NotConverged);
-    assert!(rig.twin.motion() == before && before.is_some());
+    assert!(bits(&rig.twin.motion().unwrap()) == before);
     // After a reset it is that of the start.
     scene.solver.tolerance = 1e-8;
     rig.twin.set(&graintwin::twin::Settings::of(&scene));
     let again = rig.twin.reset(Demand::ALL);
     let (_, first) = Rig::start(&scene, &pack);
-    assert!(again.measures.unwrap().motion == first.measures.unwrap().motion);
+    let [again, first] = [again, first].map(|report| bits(motion(&report.measures.unwrap())));
+    assert!(again == first);
 }
 
 /// A rubber ball between two plates of which gravity, at 45° to them, pulls it: it sinks, and rolls on
@@ -527,7 +542,8 @@ fn a_ball_between_plates_turns_as_the_moments_of_its_contacts_ask() {
     assert!((x - (slid_low + low * spin)).abs() < 1e-11 * overlap);
     let [about_x, about_y, about_z] = found.rotation[0];
     assert!((about_y - spin).abs() * radius < 1e-11 * overlap, "{about_y:e} {spin:e}");
-    assert!(spin.abs() * radius > 1e-4 * overlap && [about_x, about_z] == [0.0; 2]);
+    assert!(spin.abs() * radius > 1e-5 * overlap, "{spin:e}");
+    assert_eq!([about_x, about_z], [0.0; 2]);
     assert_eq!(found.total_rotation, found.rotation);
     // Nothing stretched the box, and one grain has no neighbour.
     assert_eq!(found.non_affine, found.displacement);
@@ -615,8 +631,10 @@ fn grains_in_another_order_move_the_same() {
             let [one, other] = [one[i], other[j]].map(Vec3::from);
             assert!((one - other).norm() <= 1e-6 * one.norm().max(1e-12), "{i}");
         }
-        assert!((one.d2min[i] / other.d2min[j] - 1.0).abs() < 1e-5);
-        assert!((one.shear_strain[i] / other.shear_strain[j] - 1.0).abs() < 1e-5);
+        if !one.d2min[i].is_nan() {
+            assert!((one.d2min[i] / other.d2min[j] - 1.0).abs() < 1e-5);
+            assert!((one.shear_strain[i] / other.shear_strain[j] - 1.0).abs() < 1e-5);
+        }
         assert_eq!(one.carries[i], other.carries[j]);
     }
     let [one, other] = [one, other].map(|motion| motion.localisation);

@@ -16,7 +16,7 @@ pub struct GrainMotion {
     /// friction.
     pub total_rotation: Vec<[f64; 3]>,
     /// D²min, what the best affine motion of the neighbourhood leaves, over the number of
-    /// neighbours \[m²\]. NaN where the neighbours do not span the space.
+    /// neighbours \[m²\]. NaN where there are fewer than four or they do not span the space.
     pub d2min: Vec<f64>,
     /// Local shear strain √(½ e:e) of the deviator e of the Green-Lagrange strain, half the
     /// engineering shear; NaN as above.

@@ -19,6 +19,9 @@ pub const GAP: f64 = 1.0;
 /// this when they are within a hundredth of their distance from a plane.
 const FLAT: f64 = 1e4;
 
+/// Fewer neighbours, if they span the space, fix the gradient and leave nothing whatever they do.
+const LEAST: usize = 4;
+
 /// Grains that a task takes.
 const CHUNK: usize = 256;
 
@@ -48,7 +51,7 @@ pub struct Deformation {
 }
 
 impl Deformation {
-    /// Of a grain whose neighbours do not span the space.
+    /// Of a grain whose neighbours do not span the space, or are fewer than four.
     pub const UNKNOWN: Self =
         Self { d2min: f64::NAN, shear_strain: f64::NAN, volumetric_strain: f64::NAN };
 }
@@ -96,6 +99,9 @@ impl Grains<'_> {
 }
 
 fn deformation_of(near: &[Neighbour]) -> Deformation {
+    if near.len() < LEAST {
+        return Deformation::UNKNOWN;
+    }
     let (mut moved, mut shape) = (Matrix3::zeros(), Matrix3::zeros());
     for neighbour in near {
         let from = neighbour.from.transpose();
