@@ -1,5 +1,6 @@
 //! Contacts: who is near whom, and the laws between them.
 
+pub(crate) mod cells;
 pub mod coulomb;
 pub mod hertz;
 pub mod mindlin;

@@ -8,6 +8,7 @@ pub mod coordination;
 pub mod discrepancy;
 pub mod grains;
 pub mod moduli;
+pub mod motion;
 pub mod network;
 pub mod porosity;
 pub mod stress;

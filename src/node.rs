@@ -380,8 +380,8 @@ impl Node {
         let summary = self.counters.summary();
         if summary.frames_skipped > 0 {
             tracing::warn!(
-                "{} contact networks were not published, {} were: the network is slower than the \
-                 twin",
+                "{} contact networks or motions of the grains were not published, {} were: the \
+                 network is slower than the twin",
                 summary.frames_skipped,
                 summary.frames
             );

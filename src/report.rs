@@ -1,9 +1,12 @@
 //! What one increment says: the answers of the twin, in SI units, compression positive.
 
+mod motion;
+
 use serde::Serialize;
 
 use crate::command::{Disposition, Stamp};
 use crate::wall;
+pub use motion::{Band, GrainMotion, Localisation};
 
 /// Which measures somebody wants; what is not wanted is not computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -16,11 +19,28 @@ pub struct Demand {
     pub contact_network: bool,
     /// Every grain: [`Grains`].
     pub grains: bool,
+    /// Displacements and rotations of the grains in the increment: [`GrainMotion`].
+    pub grain_motion: bool,
 }
 
 impl Demand {
+    /// Nothing but wall forces, which are always there.
+    pub const NONE: Self = Self {
+        state: false,
+        moduli: false,
+        contact_network: false,
+        grains: false,
+        grain_motion: false,
+    };
+
     /// Everything.
-    pub const ALL: Self = Self { state: true, moduli: true, contact_network: true, grains: true };
+    pub const ALL: Self = Self {
+        state: true,
+        moduli: true,
+        contact_network: true,
+        grains: true,
+        grain_motion: true,
+    };
 
     /// What this or the `other` wants.
     #[must_use]
@@ -30,6 +50,7 @@ impl Demand {
             moduli: self.moduli || other.moduli,
             contact_network: self.contact_network || other.contact_network,
             grains: self.grains || other.grains,
+            grain_motion: self.grain_motion || other.grain_motion,
         }
     }
 }
@@ -78,6 +99,9 @@ pub struct Measures {
     pub network: Option<ContactNetwork>,
     /// Present when [`Demand::grains`] was set.
     pub grains: Option<Grains>,
+    /// Present when [`Demand::grain_motion`] was set, or [`Demand::grains`] with a scene whose pictures
+    /// show it, unless the scene says never.
+    pub motion: Option<GrainMotion>,
 }
 
 /// What kind of event, as `graintwin_msgs/Event` numbers it.

@@ -147,6 +147,6 @@ impl Scene {
         self.load_path.check(&at.key("load_path"), problems);
         self.node.check(&at.key("node"), problems);
         self.record.check(&at.key("record"), problems);
-        self.view.check(&at.key("view"), problems);
+        self.view.check(&at.key("view"), &self.outputs, problems);
     }
 }

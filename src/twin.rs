@@ -2,6 +2,7 @@
 
 mod limited;
 mod merged;
+mod past;
 mod requests;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -11,18 +12,21 @@ use crate::command::gate::{Decision, Gate, Order, join};
 use crate::command::{Command, Disposition, Stamp};
 use crate::measure::contacts::Contacts;
 use crate::measure::coordination::{self, Histograms};
-use crate::measure::{grains, moduli, network, porosity, stress, walls};
+use crate::measure::{grains, moduli, motion, network, porosity, stress, walls};
 use crate::model::{Model, sphere_volume};
 use crate::pack::{Grain, History, Pack};
 use crate::relax::advance::Advance;
 use crate::relax::jump::Jump;
 use crate::relax::{Effort, Outcome, Status, Workspace, accuracy, relax};
-use crate::report::{Demand, Event, EventKind, Measures, Moduli, PackState, Report};
-use crate::scene::{Method, Scene};
+use crate::report::{
+    Demand, Event, EventKind, GrainMotion, Measures, Moduli, PackState, Report,
+};
+use crate::scene::{Method, Scene, When};
 use crate::state::State;
 use crate::wall::{self, Setpoint, WallTarget};
 use limited::Gone;
 pub use merged::Merged;
+use past::Past;
 pub use requests::Settings;
 
 /// Why a twin could not be made.
@@ -63,6 +67,10 @@ pub struct Twin {
     spent: Effort,
     /// What the walls do from the start on.
     targets: [WallTarget; wall::COUNT],
+    /// Where the grains were, when the scene lets their motion be measured.
+    past: Option<Past>,
+    /// Whether pictures of the grains show their motion.
+    shows_motion: bool,
 }
 
 impl Twin {
@@ -100,6 +108,8 @@ impl Twin {
             given_history: pack.history.clone().filter(|_| model.friction.is_some()),
             spent: Effort::default(),
             targets: scene.walls.targets.in_order(),
+            shows_motion: scene.view.color.is_of_motion(),
+            past: (scene.outputs.grain_motion != When::Never).then(Past::default),
             model,
         })
     }
@@ -115,6 +125,7 @@ impl Twin {
     /// [`Disposition::NotConverged`].
     pub fn start(&mut self, demand: Demand) -> Report {
         let given = self.state.clone();
+        self.past.iter_mut().for_each(|past| past.restart(&given));
         let Self { model, state, work, pool, .. } = self;
         work.start(model, state);
         work.jumps.clear();
@@ -256,6 +267,7 @@ impl Twin {
         }
         self.outcome = reached.outcome;
         self.increment += 1;
+        self.past.iter_mut().for_each(Past::arrive);
         report.increment = self.increment;
         report.text = order.text;
         if clamped || order.clamped {
@@ -310,6 +322,8 @@ impl Twin {
     }
 
     fn measure(&mut self, stamp: Stamp, reached: &Advance, demand: Demand) -> Measures {
+        let wanted = demand.grain_motion || demand.grains && self.shows_motion;
+        let motion = if wanted { self.motion() } else { None };
         let Self { model, state, work, .. } = self;
         let bounds = state.bounds(model);
         work.neighbours.refresh(model, &state.position, &bounds);
@@ -381,7 +395,17 @@ impl Twin {
                 .contact_network
                 .then(|| network::network(&self.model, contacts.counted())),
             grains,
+            motion,
         }
+    }
+
+    /// How the grains moved in the present increment; `None` when the scene says that nobody will
+    /// ask.
+    #[must_use]
+    pub fn motion(&self) -> Option<GrainMotion> {
+        let Self { model, state, past, pool, .. } = self;
+        let before = past.as_ref()?.before();
+        Some(pool.install(|| motion::motion(model, before, state)))
     }
 
     /// The work done since the start.
@@ -412,7 +436,8 @@ impl Twin {
     /// Memory that state and scratch hold \[bytes\].
     #[must_use]
     pub fn bytes(&self) -> usize {
-        self.state.heap_bytes() + self.work.heap_bytes()
+        let past = self.past.as_ref().map_or(0, Past::heap_bytes);
+        self.state.heap_bytes() + self.work.heap_bytes() + past
     }
 
     /// Histograms of the coordination number now (T fig. 2.6).

@@ -16,6 +16,8 @@ pub mod foxglove;
 mod history;
 mod layout;
 #[cfg(feature = "mcap")]
+mod motions;
+#[cfg(feature = "mcap")]
 mod panels;
 pub mod picture;
 mod precision;
@@ -33,6 +35,8 @@ mod unit;
 pub use chart::{Chart, Pattern, Series, Stroke};
 #[cfg(feature = "mcap")]
 pub use history::History;
+#[cfg(feature = "mcap")]
+pub use motions::Motions;
 #[cfg(feature = "mcap")]
 pub use panels::sheets;
 pub use precision::work_precision;

@@ -183,6 +183,39 @@ fn expected_measures(measures: &Measures) -> Vec<Value> {
             }),
         ),
     ));
+    let motion = measures.motion.as_ref().unwrap();
+    let whole = &motion.localisation;
+    messages.push(message(
+        "grain_motion",
+        &merged(
+            common("pack"),
+            json!({
+                "chunk": 0,
+                "chunk_count": 1,
+                "first_grain": 0,
+                "displacement": motion.displacement.concat(),
+                "non_affine": motion.non_affine.concat(),
+                "rotation": motion.rotation.concat(),
+                "total_rotation": motion.total_rotation.concat(),
+                "d2min": motion.d2min,
+                "shear_strain": motion.shear_strain,
+                "volumetric_strain": motion.volumetric_strain,
+                "carries": motion.carries,
+                "affine_rms": whole.affine_rms,
+                "non_affine_rms": whole.non_affine_rms,
+                "non_affine_ratio": whole.non_affine_ratio,
+                "rotation_rms": number(whole.rotation_rms),
+                "participation": whole.participation,
+                "rotation_participation": number(whole.rotation_participation),
+                "d2min_top_1": whole.d2min_top_1,
+                "d2min_top_10": whole.d2min_top_10,
+                "band_center": whole.band.center,
+                "band_normal": whole.band.normal,
+                "band_spread": whole.band.spread,
+                "band_thickness": whole.band.thickness,
+            }),
+        ),
+    ));
     for event in &measures.events {
         messages.push(message(
             "events",
@@ -242,6 +275,7 @@ fn two_independent_readers_find_every_field_of_every_message() {
             "/graintwin/contact_network",
             "/graintwin/discrepancy",
             "/graintwin/events",
+            "/graintwin/grain_motion",
             "/graintwin/grains",
             "/graintwin/joint_states",
             "/graintwin/joint_trajectory",

@@ -16,7 +16,7 @@ use graintwin::msg::picture::{
 };
 use graintwin::msg::{
     BoundaryCommand, Circumstance, Clock, ContactNetwork, Described, DiagnosticArray,
-    DiagnosticStatus, Discrepancy, Duration, Event, Header, JointState, JointTrajectory,
+    DiagnosticStatus, Discrepancy, Duration, Event, GrainMotion, Header, JointState, JointTrajectory,
     JointTrajectoryPoint, KeyValue, Moduli, PackState, Quaternion, Report, TFMessage, Time,
     Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench, WrenchStamped,
 };
@@ -105,6 +105,37 @@ fn contact_network(contacts: u32) -> ContactNetwork {
         tangential_force: values(3 * contacts),
         overlap: values(contacts),
         state: (0..contacts).map(|i| (i % 4) as u8).collect(),
+    }
+}
+
+fn grain_motion(grains: u32) -> GrainMotion {
+    let values = |count: u32| (0..count).map(|i| f64::from(i) / 7.0).collect();
+    GrainMotion {
+        header: header("pack"),
+        increment: 9,
+        chunk: 1,
+        chunk_count: 3,
+        first_grain: 450,
+        displacement: values(3 * grains),
+        non_affine: values(3 * grains),
+        rotation: Vec::new(),
+        total_rotation: values(3 * grains),
+        d2min: values(grains),
+        shear_strain: values(grains),
+        volumetric_strain: values(grains),
+        carries: (0..grains).map(|i| i % 2 == 0).collect(),
+        affine_rms: 0.5,
+        non_affine_rms: 1.5,
+        non_affine_ratio: 3.0,
+        rotation_rms: 2.5,
+        participation: 0.25,
+        rotation_participation: 0.75,
+        d2min_top_1: 0.1,
+        d2min_top_10: 0.2,
+        band_center: [1.0, 2.0, 3.0],
+        band_normal: [0.6, 0.8, 0.0],
+        band_spread: [0.1, 0.9, 1.1],
+        band_thickness: 4.5,
     }
 }
 
@@ -314,6 +345,7 @@ fn bytes_hashes_and_definitions_are_those_of_an_independent_implementation() {
     exchange.add(moduli());
     for contacts in [0, 1, 2, 5] {
         exchange.add(contact_network(contacts));
+        exchange.add(grain_motion(contacts));
     }
     for text in ["", "1", "12", "123", "1234"] {
         exchange.add(report(text));

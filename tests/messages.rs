@@ -18,7 +18,7 @@ use graintwin::msg::rcl::{Log, Parameter, ParameterEvent, ParameterValue};
 use graintwin::msg::services::{SavePack, Service, SetBool, Trigger};
 use graintwin::msg::{
     BoundaryCommand, Circumstance, Clock, ContactNetwork, Described, DiagnosticArray,
-    DiagnosticStatus, Discrepancy, Duration, Event, Header, JointState, JointTrajectory,
+    DiagnosticStatus, Discrepancy, Duration, Event, GrainMotion, Header, JointState, JointTrajectory,
     JointTrajectoryPoint, KeyValue, Moduli, PackState, Quaternion, Report, TFMessage, Time,
     Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench, WrenchStamped, topics,
 };
@@ -84,6 +84,7 @@ fn every_struct_has_the_fields_of_its_text() {
     assert_same_fields::<PackState>();
     assert_same_fields::<Moduli>();
     assert_same_fields::<ContactNetwork>();
+    assert_same_fields::<GrainMotion>();
     assert_same_fields::<Report>();
     assert_same_fields::<Event>();
     assert_same_fields::<Time>();
@@ -167,6 +168,7 @@ fn every_message_text_is_built_by_the_package_and_has_a_struct() {
         PackState::TYPE,
         Moduli::TYPE,
         ContactNetwork::TYPE,
+        GrainMotion::TYPE,
         Report::TYPE,
         Event::TYPE,
         Discrepancy::TYPE,
@@ -333,6 +335,7 @@ fn measures(contacts: u32) -> Measures {
             state: (0..contacts).map(|i| (i % 2) as u8).collect(),
         }),
         grains: None,
+        motion: None,
     }
 }
 
@@ -371,12 +374,100 @@ fn a_network_without_contacts_is_one_empty_message() {
     assert_eq!(convert::whole_network(&measures).as_ref(), chunks.first());
 }
 
+/// A motion of so many grains, every number another one.
+fn grain_motion(grains: u32, friction: bool) -> report::GrainMotion {
+    let scalar = |scale: f64| (0..grains).map(|i| scale * f64::from(i + 1)).collect::<Vec<_>>();
+    let vector = |scale: f64| -> Vec<[f64; 3]> {
+        scalar(scale).iter().map(|&x| [x, x + 0.1, x + 0.2]).collect()
+    };
+    let rotation = |scale: f64| if friction { vector(scale) } else { Vec::new() };
+    report::GrainMotion {
+        displacement: vector(1e3),
+        non_affine: vector(2e3),
+        rotation: rotation(3e3),
+        total_rotation: rotation(4e3),
+        d2min: scalar(5e3),
+        shear_strain: scalar(6e3),
+        volumetric_strain: scalar(7e3),
+        carries: (0..grains).map(|i| i % 3 > 0).collect(),
+        localisation: report::Localisation {
+            affine_rms: 1.0,
+            non_affine_rms: 2.0,
+            non_affine_ratio: 3.0,
+            rotation_rms: 4.0,
+            participation: 5.0,
+            rotation_participation: 6.0,
+            d2min_top_1: 7.0,
+            d2min_top_10: 8.0,
+            band: report::Band {
+                center: [9.0, 10.0, 11.0],
+                normal: [12.0, 13.0, 14.0],
+                spread: [15.0, 16.0, 17.0],
+                thickness: 18.0,
+            },
+        },
+    }
+}
+
+#[test]
+fn live_chunks_together_are_the_whole_motion() {
+    for (grains, friction) in [(1, true), (450, false), (451, true), (1201, true), (0, false)] {
+        let motion = grain_motion(grains, friction);
+        let measures = Measures { motion: Some(motion.clone()), ..measures(0) };
+        let chunks: Vec<_> = convert::motion_chunks(&measures, convert::LIVE_GRAINS).collect();
+        assert_eq!(chunks.len() as u32, grains.div_ceil(450).max(1));
+        let mut joined = GrainMotion { first_grain: 0, chunk: 0, ..chunks[0].clone() };
+        for (number, chunk) in chunks.iter().enumerate() {
+            let numbers = (chunk.chunk as usize, chunk.chunk_count as usize);
+            assert_eq!(numbers, (number, chunks.len()));
+            assert_eq!(chunk.first_grain as usize, 450 * number);
+            let mut bytes = Vec::new();
+            cdr::encode(chunk, &mut bytes).unwrap();
+            assert!(bytes.len() < 60_000, "{}", bytes.len());
+        }
+        for chunk in &chunks[1..] {
+            for (all, more) in [
+                (&mut joined.displacement, &chunk.displacement),
+                (&mut joined.non_affine, &chunk.non_affine),
+                (&mut joined.rotation, &chunk.rotation),
+                (&mut joined.total_rotation, &chunk.total_rotation),
+                (&mut joined.d2min, &chunk.d2min),
+                (&mut joined.shear_strain, &chunk.shear_strain),
+                (&mut joined.volumetric_strain, &chunk.volumetric_strain),
+            ] {
+                all.extend(more);
+            }
+            joined.carries.extend(&chunk.carries);
+        }
+        joined.chunk_count = 1;
+        assert_eq!(Some(&joined), convert::whole_motion(&measures).as_ref());
+        assert_eq!(joined.displacement, motion.displacement.concat());
+        assert_eq!(joined.non_affine, motion.non_affine.concat());
+        assert_eq!(joined.rotation, motion.rotation.concat());
+        assert_eq!(joined.total_rotation, motion.total_rotation.concat());
+        assert_eq!(joined.d2min, motion.d2min);
+        assert_eq!(joined.shear_strain, motion.shear_strain);
+        assert_eq!(joined.volumetric_strain, motion.volumetric_strain);
+        assert_eq!(joined.carries, motion.carries);
+        let GrainMotion { affine_rms, non_affine_rms, non_affine_ratio, .. } = joined;
+        assert_eq!([affine_rms, non_affine_rms, non_affine_ratio], [1.0, 2.0, 3.0]);
+        let GrainMotion { rotation_rms, participation, rotation_participation, .. } = joined;
+        assert_eq!([rotation_rms, participation, rotation_participation], [4.0, 5.0, 6.0]);
+        let GrainMotion { d2min_top_1, d2min_top_10, band_thickness, .. } = joined;
+        assert_eq!([d2min_top_1, d2min_top_10, band_thickness], [7.0, 8.0, 18.0]);
+        let GrainMotion { band_center, band_normal, band_spread, .. } = joined;
+        let band = [band_center, band_normal, band_spread].concat();
+        assert_eq!(band, (9..18).map(f64::from).collect::<Vec<_>>());
+    }
+}
+
 #[test]
 fn measures_nobody_asked_for_make_no_message() {
     let measures = Measures { network: None, ..measures(3) };
     assert_eq!(convert::network_chunks(&measures, LIVE_CHUNK).count(), 0);
     assert_eq!(convert::pack_state(&measures), None);
     assert_eq!(convert::moduli(&measures), None);
+    assert_eq!(convert::whole_motion(&measures), None);
 }
 
 /// A force F at the centre of the wall x_max, 2 m from the centre of the box along x, turns about

@@ -13,7 +13,7 @@ use std::process::Command;
 
 use graintwin::msg::picture::{Marker, MarkerArray};
 use graintwin::report::{Demand, Measures};
-use graintwin::scene::{Choice, Scene};
+use graintwin::scene::{Choice, ColorBy, Scene, When};
 use graintwin::view::picture::{MOST_SPHERES, Painter};
 use packs::{Rig, bead, centered, made, scene};
 use serde_json::{Value, json};
@@ -219,4 +219,62 @@ fn what_was_not_measured_is_not_drawn_and_what_is_empty_is_deleted() {
     assert!(of(&array, "chains").all(|one| one.action == Marker::DELETE && one.points.is_empty()));
     assert_eq!(of(&array, "chains").count(), 4);
     assert_eq!(of(&array, "text").next().unwrap().text, "unnamed, increment 0, drawn 1000 : 1");
+}
+
+/// Of equal spheres, which are one list in the order of the pack file, the lighter ones are those that
+/// moved more.
+#[test]
+fn spheres_are_coloured_by_the_motion_that_is_measured_with_them() {
+    let mut pack = made(80, 2e6, 3);
+    pack.grains.iter_mut().for_each(|grain| grain.radius = 1e-4);
+    pack.grains.iter_mut().for_each(|grain| grain.friction = 0.3);
+    let friction = "{friction: {coefficient: 0.3}}";
+    let text = format!("pack: {{file: none.csv, material: glass}}\ncontact: {friction}\n");
+    for color in [ColorBy::NonAffine, ColorBy::D2min, ColorBy::Rotation] {
+        let mut scene = graintwin::scene::parse(&text, Path::new("scene.yaml")).unwrap();
+        scene.view.color = color;
+        let mut twin = graintwin::twin::Twin::new(&scene, &pack, 1).unwrap();
+        let only_grains = Demand { grains: true, ..Demand::NONE };
+        twin.start(only_grains);
+        let command = packs::absolute(1, [1e-7, 0.0, 0.0, 0.0, 0.0, 2e-7]);
+        let measures = twin.apply(&command, only_grains).measures.unwrap();
+        let motion = measures.motion.as_ref().unwrap();
+        let length = |vector: &[f64; 3]| vector.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let values: Vec<f64> = match color {
+            ColorBy::D2min => motion.d2min.clone(),
+            ColorBy::Rotation => motion.rotation.iter().map(length).collect(),
+            _ => motion.non_affine.iter().map(length).collect(),
+        };
+        let array = draw(&scene, &measures, 1e-3);
+        let spheres: Vec<&Marker> = of(&array, "spheres").collect();
+        assert_eq!(spheres.len(), 1);
+        let luma = |grain: usize| {
+            let color = spheres[0].colors[grain];
+            0.2126 * color.r + 0.7152 * color.g + 0.0722 * color.b
+        };
+        let mut order: Vec<usize> = (0..values.len()).collect();
+        // A grain without neighbours enough has the first colour, as the smallest.
+        let key = |grain: usize| if values[grain].is_nan() { 0.0 } else { values[grain] };
+        order.sort_by(|&one, &other| key(one).total_cmp(&key(other)));
+        assert!(order.windows(2).all(|pair| luma(pair[0]) <= luma(pair[1])), "{color:?}");
+        assert!(luma(order[0]) < luma(order[values.len() - 1]), "{color:?}");
+    }
+}
+
+#[test]
+fn a_scene_that_forbids_the_motion_cannot_show_it() {
+    let parse = |when: When, color: &str| {
+        let when = serde_json::to_string(&when).unwrap();
+        let text = format!(
+            "pack: {{file: none.csv, material: glass}}\nview: {{color: {color}}}\n\
+             outputs: {{grain_motion: {when}}}\n"
+        );
+        graintwin::scene::parse(&text, Path::new("scene.yaml")).map_err(|error| error.to_string())
+    };
+    for color in ["non_affine", "d2min", "rotation"] {
+        let refusal = parse(When::Never, color).unwrap_err();
+        assert!(refusal.contains("view.color") && refusal.contains("grain_motion"), "{refusal}");
+        assert!(parse(When::OnDemand, color).is_ok());
+    }
+    assert!(parse(When::Never, "force").is_ok());
 }

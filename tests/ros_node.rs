@@ -134,9 +134,9 @@ fn without_a_subscriber_only_the_first_equilibrium_and_the_latched_moduli_are_as
         without_a_subscriber_only_the_first_equilibrium_and_the_latched_moduli_are_asked_for,
         Loopback::Plain,
         || {
-            let ask = |contact_network| {
+            let ask_of = |outputs: Outputs| {
                 let stop = flag();
-                let node = start(&Outputs { contact_network, ..Outputs::default() }, &stop);
+                let node = start(&outputs, &stop);
                 let mut sink = node.sink();
                 let first = sink.demand();
                 sink.served(&MadeUpTwin::new(10).start(first));
@@ -146,6 +146,7 @@ fn without_a_subscriber_only_the_first_equilibrium_and_the_latched_moduli_are_as
                 assert_eq!(summary.frames + summary.frames_skipped, 0, "{summary:?}");
                 (first, later)
             };
+            let ask = |contact_network| ask_of(Outputs { contact_network, ..Outputs::default() });
             let only_moduli = Demand { moduli: true, ..Demand::default() };
             // Nobody draws here.
             let all = Demand { grains: false, ..Demand::ALL };
@@ -154,6 +155,11 @@ fn without_a_subscriber_only_the_first_equilibrium_and_the_latched_moduli_are_as
             assert_eq!(ask(When::Always), (all, and_network));
             let no_network = Demand { contact_network: false, ..all };
             assert_eq!(ask(When::Never), (no_network, only_moduli));
+            let ask = |grain_motion| ask_of(Outputs { grain_motion, ..Outputs::default() });
+            let and_motion = Demand { grain_motion: true, ..only_moduli };
+            assert_eq!(ask(When::Always), (all, and_motion));
+            let no_motion = Demand { grain_motion: false, ..all };
+            assert_eq!(ask(When::Never), (no_motion, only_moduli));
         },
     );
 }

@@ -11,9 +11,12 @@ use serde::Serialize;
 use graintwin::command::Disposition;
 use graintwin::measure::coordination::Histograms;
 use graintwin::pack::prepare::Reached;
-use graintwin::report::{Demand, Event, Measures, Moduli, PackState, WallForces};
+use graintwin::report::{
+    Demand, Event, Localisation, Measures, Moduli, PackState, WallForces,
+};
 use graintwin::scene::{Friction, Loaded};
 use graintwin::sink::{Served, Sink};
+use graintwin::twin::Twin;
 use graintwin::wall::Bounds;
 
 use super::Failure;
@@ -63,6 +66,8 @@ pub(super) struct Summary {
     lost: Vec<String>,
     /// How many grains have 0, 1, 2, ... contacts at the end.
     coordination: Histograms,
+    /// How unevenly the grains moved in the last increment, unless the scene says never.
+    grain_motion: Option<Localisation>,
     /// The initial equilibrium.
     start: Option<Moment>,
     /// The last one.
@@ -118,6 +123,7 @@ impl Summary {
             recording: None,
             lost: Vec::new(),
             coordination: Histograms::default(),
+            grain_motion: None,
             start: None,
             end: None,
         }
@@ -134,9 +140,10 @@ impl Summary {
         self.lost.is_empty()
     }
 
-    /// Takes the coordination numbers at the end.
-    pub(super) fn histograms(&mut self, histograms: Histograms) {
-        self.coordination = histograms;
+    /// Takes what is asked of the twin at the end only.
+    pub(super) fn ends(&mut self, twin: &mut Twin) {
+        self.coordination = twin.coordination();
+        self.grain_motion = twin.motion().map(|motion| motion.localisation);
     }
 
     /// Takes what the node and the rig did.
@@ -214,7 +221,7 @@ impl Summary {
 
 impl Sink for &mut Summary {
     fn demand(&self) -> Demand {
-        Demand { state: true, moduli: true, contact_network: false, grains: false }
+        Demand { state: true, moduli: true, ..Demand::NONE }
     }
 
     fn served(&mut self, served: &Arc<Served>) {

@@ -9,7 +9,7 @@ use super::rcl::{Log, ParameterEvent};
 use super::topics::{self, Topic};
 use super::{
     BoundaryCommand, Circumstance, ContactNetwork, Described, DiagnosticArray, Discrepancy, Event,
-    JointState, JointTrajectory, MarkerArray, MessageType, Moduli, PackState, PointCloud2, Report,
+    GrainMotion, JointState, JointTrajectory, MarkerArray, MessageType, Moduli, PackState, PointCloud2, Report,
     TFMessage, WallForces, WallTargets, WrenchStamped,
 };
 use crate::command::Stamp;
@@ -90,6 +90,11 @@ fn each_measure<E>(
     {
         give(&topics::CONTACT_NETWORK, &network)?;
     }
+    if wants(&topics::GRAIN_MOTION)
+        && let Some(motion) = convert::whole_motion(measures)
+    {
+        give(&topics::GRAIN_MOTION, &motion)?;
+    }
     for event in convert::events(measures) {
         give(&topics::EVENTS, &event)?;
     }
@@ -154,7 +159,7 @@ macro_rules! outgoing {
 }
 
 outgoing!(header of BoundaryCommand, WallTargets, Circumstance, Report, WallForces, WrenchStamped,
-    JointState, JointTrajectory, PackState, Moduli, ContactNetwork, Event, Discrepancy,
+    JointState, JointTrajectory, PackState, Moduli, ContactNetwork, GrainMotion, Event, Discrepancy,
     DiagnosticArray, PointCloud2);
 outgoing!(Log: |message| message.stamp.into(), ParameterEvent: |message| message.stamp.into());
 outgoing!(TFMessage: |message| {

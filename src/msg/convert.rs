@@ -1,5 +1,9 @@
 //! From the twin's commands and reports to messages, and back for commands.
 
+mod motion;
+
+pub use motion::{LIVE_GRAINS, motion_chunks, whole_motion};
+
 use super::topics::{PACK_FRAME, VIEW_FRAME, WORLD_FRAME, wall_frame};
 use super::{
     BoundaryCommand, ContactNetwork, Discrepancy, Event, Header, JointState, Moduli, PackState,

@@ -1,6 +1,10 @@
 //! The messages of the package `graintwin_msgs`; units, signs and meanings are in its texts.
 
+mod grain_motion;
+
 use serde::{Deserialize, Serialize};
+
+pub use grain_motion::GrainMotion;
 
 use super::schema::describe;
 use super::standard::{Header, Vector3};

@@ -3,8 +3,8 @@
 use super::rcl::{Log, ParameterEvent};
 use super::schema::{Described, MessageType};
 use super::{
-    BoundaryCommand, Circumstance, ContactNetwork, DiagnosticArray, Discrepancy, Event, JointState,
-    JointTrajectory, MarkerArray, Moduli, PackState, PointCloud2, Report, TFMessage, WallForces,
+    BoundaryCommand, Circumstance, ContactNetwork, DiagnosticArray, Discrepancy, Event, GrainMotion,
+    JointState, JointTrajectory, MarkerArray, Moduli, PackState, PointCloud2, Report, TFMessage, WallForces,
     WallTargets, WrenchStamped,
 };
 use crate::wall;
@@ -131,6 +131,8 @@ pub static STATE: Topic = Topic::new("state", PackState::TYPE, 64);
 pub static MODULI: Topic = Topic::new("moduli", Moduli::TYPE, 1).latched();
 /// Out: [`ContactNetwork`].
 pub static CONTACT_NETWORK: Topic = Topic::new("contact_network", ContactNetwork::TYPE, 64);
+/// Out: [`GrainMotion`].
+pub static GRAIN_MOTION: Topic = Topic::new("grain_motion", GrainMotion::TYPE, 64);
 
 /// Out: [`PointCloud2`] of the grains.
 pub static GRAINS: Topic = Topic::new("grains", PointCloud2::TYPE, 2);
@@ -169,6 +171,7 @@ pub fn measures() -> impl Iterator<Item = &'static Topic> {
         &STATE,
         &MODULI,
         &CONTACT_NETWORK,
+        &GRAIN_MOTION,
         &EVENTS,
         &GRAINS,
         &MARKERS,

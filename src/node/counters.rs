@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use super::health::Health;
 
 /// Counts kept while the node runs. What is `queued` and not `done` is on its way; contact networks
-/// are counted as frames, and clouds and markers as pictures, apart from the other messages.
+/// and motions of the grains are counted as frames, and clouds and markers as pictures, apart from the other messages.
 #[derive(Debug, Default)]
 pub(super) struct Counters {
     pub commands: AtomicU64,
@@ -35,14 +35,14 @@ pub struct Summary {
     pub commands: u64,
     /// Samples on the topics of commands and load cells that are none.
     pub unreadable: u64,
-    /// Messages published, contact networks and pictures not counted.
+    /// Messages published, contact networks, motions of the grains and pictures not counted.
     pub published: u64,
     /// Messages that could not be published, or not before the end.
     pub lost: u64,
-    /// Contact networks published in full.
+    /// Contact networks and motions of the grains published in full.
     pub frames: u64,
-    /// Contact networks that somebody wanted and that were left out, since the network was slower
-    /// than the twin.
+    /// Those that somebody wanted and that were left out, since the network was slower than the
+    /// twin.
     pub frames_skipped: u64,
     /// Messages on `grains` and `markers` that were published.
     pub pictures: u64,
@@ -52,7 +52,7 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Whether a command or a message is lost. A skipped contact network or picture is no loss:
+    /// Whether a command or a message is lost. A skipped frame or picture is no loss:
     /// those topics promise what the network can carry, the recording promises all of them.
     #[must_use]
     pub fn data_lost(&self) -> bool {

@@ -12,8 +12,8 @@ use super::names::Identity;
 use super::services::Services;
 use super::{NodeError, clock, mapping};
 use crate::msg::{
-    BoundaryCommand, Clock, ContactNetwork, DiagnosticArray, Discrepancy, Event, JointState,
-    JointTrajectory, MarkerArray, Moduli, PackState, PointCloud2, Report, TFMessage, Topic,
+    BoundaryCommand, Clock, ContactNetwork, DiagnosticArray, Discrepancy, Event, GrainMotion,
+    JointState, JointTrajectory, MarkerArray, Moduli, PackState, PointCloud2, Report, TFMessage, Topic,
     WallForces, WallTargets, WrenchStamped, topics,
 };
 use crate::{scene, wall};
@@ -31,6 +31,7 @@ pub(super) struct Endpoints {
     pub state: Out<PackState>,
     pub moduli: Out<Moduli>,
     pub contact_network: Out<ContactNetwork>,
+    pub grain_motion: Out<GrainMotion>,
     pub grains: Out<PointCloud2>,
     pub markers: Out<MarkerArray>,
     pub events: Out<Event>,
@@ -120,6 +121,7 @@ impl Endpoints {
             state: Out::new(&mut node, identity, &topics::STATE)?,
             moduli: Out::new(&mut node, identity, &topics::MODULI)?,
             contact_network: Out::new(&mut node, identity, &topics::CONTACT_NETWORK)?,
+            grain_motion: Out::new(&mut node, identity, &topics::GRAIN_MOTION)?,
             grains: Out::new(&mut node, identity, &topics::GRAINS)?,
             markers: Out::new(&mut node, identity, &topics::MARKERS)?,
             events: Out::new(&mut node, identity, &topics::EVENTS)?,
@@ -148,6 +150,7 @@ impl Endpoints {
             self.state.listeners(self),
             self.moduli.listeners(self),
             self.contact_network.listeners(self),
+            self.grain_motion.listeners(self),
             self.grains.listeners(self),
             self.markers.listeners(self),
             self.events.listeners(self),

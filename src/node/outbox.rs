@@ -49,7 +49,7 @@ pub(super) enum Outgoing {
     WallStates(JointState),
     State(PackState),
     Moduli(Moduli),
-    Network(Frame),
+    Frame(Frame),
     Picture(Picture, Arc<Served>),
     Event(Event),
     Report(Report),
@@ -101,7 +101,7 @@ impl NodeSink {
         }
         messages.push(Outgoing::Report(Report::from(&served.report)));
         self.counters.queued.fetch_add(messages.len() as u64, Ordering::Relaxed);
-        messages.extend(self.frames.take(served).map(Outgoing::Network));
+        messages.extend(self.frames.take(served).into_iter().map(Outgoing::Frame));
         if self.draws && served.report.measures.as_ref().is_some_and(|one| one.grains.is_some()) {
             let pictures = [Picture::Grains, Picture::Markers];
             messages.extend(pictures.map(|one| Outgoing::Picture(one, Arc::clone(served))));
@@ -123,7 +123,7 @@ impl Sink for NodeSink {
             When::OnDemand => asked(listens),
             When::Never => false,
         };
-        let Outputs { contact_network, markers, .. } = self.outputs;
+        let Outputs { contact_network, grain_motion, markers, .. } = self.outputs;
         // The markers show the state and the contacts too.
         let marked =
             self.draws && when(markers, |endpoints| endpoints.markers.has_listener(endpoints));
@@ -131,6 +131,9 @@ impl Sink for NodeSink {
             self.draws && when(markers, |endpoints| endpoints.grains.has_listener(endpoints));
         Demand {
             grains: marked || clouded,
+            grain_motion: when(grain_motion, |endpoints| {
+                endpoints.grain_motion.has_listener(endpoints)
+            }),
             state: marked || asked(|endpoints| endpoints.state.has_listener(endpoints)),
             moduli: self.outputs.moduli == ModuliKind::Secant,
             contact_network: when(contact_network, |endpoints| {
@@ -226,7 +229,7 @@ impl Outbox {
             Outgoing::WallStates(_) => endpoints.wall_states.has_listener(endpoints),
             Outgoing::State(_) => endpoints.state.has_listener(endpoints),
             Outgoing::Moduli(_) => endpoints.moduli.has_listener(endpoints),
-            Outgoing::Network(_) => endpoints.contact_network.has_listener(endpoints),
+            Outgoing::Frame(frame) => frame.has_listener(endpoints),
             Outgoing::Picture(Picture::Grains, _) => endpoints.grains.has_listener(endpoints),
             Outgoing::Picture(Picture::Markers, _) => endpoints.markers.has_listener(endpoints),
             Outgoing::Event(_) => endpoints.events.has_listener(endpoints),
@@ -254,7 +257,7 @@ impl Outbox {
                 None => false,
             },
             Outgoing::Frames(message) => endpoints.tf_static.publish(message).await,
-            Outgoing::Network(frame) => {
+            Outgoing::Frame(frame) => {
                 if heard {
                     // Fails only when the task that paces the frames is gone, at the end.
                     self.frames.send(frame).ok();

@@ -14,25 +14,25 @@ const FAR: f64 = 1.0;
 
 /// Where the grains are.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Pose {
+pub struct Pose {
     /// Centres \[m\], shape (n).
     pub position: Vec<Vec3>,
     /// Rotations \[rad\], shape (n) or empty.
-    rotation: Vec<Vec3>,
-    /// Where the walls are \[m\].
-    displacement: [f64; wall::COUNT],
+    pub rotation: Vec<Vec3>,
+    /// Inward displacement of the walls since the start \[m\].
+    pub displacement: [f64; wall::COUNT],
 }
 
 impl Pose {
     /// Takes that of `state`.
-    pub(super) fn copy(&mut self, state: &State) {
+    pub fn copy(&mut self, state: &State) {
         self.position.clone_from(&state.position);
         self.rotation.clone_from(&state.rotation);
         self.displacement = state.displacement;
     }
 
     /// How far each grain of `state` is from here, but for where the walls took it along \[m\].
-    pub(super) fn moved<'a>(
+    pub fn moved<'a>(
         &'a self,
         model: &Model,
         state: &'a State,
@@ -45,7 +45,7 @@ impl Pose {
     }
 
     /// Memory that its lists hold \[bytes\].
-    pub(super) fn heap_bytes(&self) -> usize {
+    pub(crate) fn heap_bytes(&self) -> usize {
         heap::bytes(&self.position) + heap::bytes(&self.rotation)
     }
 

@@ -34,6 +34,8 @@ pub struct Outputs {
     pub contact_network: When,
     /// Pictures for viewers: the grains, and markers.
     pub markers: When,
+    /// Displacements and rotations of the grains in each increment.
+    pub grain_motion: When,
     /// Moduli.
     pub moduli: ModuliKind,
 }

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::check::{Field, Problems};
 use super::choice::Choice;
+use super::outputs::{Outputs, When};
 
 /// Largest scale; the smallest is above zero.
 pub const VIEW_SCALE: f64 = 1e12;
@@ -17,6 +18,23 @@ pub enum ColorBy {
     Force,
     /// How far the grain went since the start \[m\].
     Displacement,
+    /// How far it went in the increment beside what the box took along \[m\].
+    NonAffine,
+    /// D²min of its neighbourhood in the increment \[m²\].
+    D2min,
+    /// Its rotation in the increment \[rad\].
+    Rotation,
+}
+
+impl ColorBy {
+    /// Whether it is of the [motion](crate::report::GrainMotion) of the grains in the increment.
+    #[must_use]
+    pub fn is_of_motion(self) -> bool {
+        match self {
+            Self::Force | Self::Displacement => false,
+            Self::NonAffine | Self::D2min | Self::Rotation => true,
+        }
+    }
 }
 
 /// How pictures are drawn.
@@ -28,7 +46,7 @@ pub struct View {
     pub scale: Choice<f64>,
     /// What spheres are coloured by.
     pub color: ColorBy,
-    /// Values of the first and of the last colour \[Pa or m\]. `auto`: from 0 to three times the
+    /// Values of the first and of the last colour, in the unit of what is shown. `auto`: from 0 to three times the
     /// mean of the grains, at each increment anew.
     pub range: Choice<[f64; 2]>,
     /// Opacity of the spheres, above 0: those that are not opaque let force chains be seen.
@@ -52,7 +70,11 @@ impl Default for View {
 }
 
 impl View {
-    pub(super) fn check(&self, at: &Field, problems: &mut Problems) {
+    pub(super) fn check(&self, at: &Field, outputs: &Outputs, problems: &mut Problems) {
+        if self.color.is_of_motion() && outputs.grain_motion == When::Never {
+            let text = "shows the motion of the grains, which outputs.grain_motion: never forbids";
+            problems.add(at.key("color"), text);
+        }
         if let Choice::Given(scale) = self.scale {
             problems.number(at.key("scale"), scale, "0 < scale <= 1e12, or auto", |scale| {
                 scale > 0.0 && scale <= VIEW_SCALE

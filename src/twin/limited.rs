@@ -34,6 +34,7 @@ impl Twin {
     /// do not go, the state is what it was.
     pub(super) fn go(&mut self, order: &Order, clamp: bool) -> Gone {
         let (setpoint, clamped) = (order.setpoint, false);
+        self.past.iter_mut().for_each(|past| past.leave(&self.state));
         if !self.gate.watches(&setpoint) {
             return Gone { reached: self.advance(&setpoint), setpoint, beyond: None, clamped };
         }

@@ -7,8 +7,8 @@
 //! out, and counted; commands, reports and wall forces never are. The queue of a client holds 1024
 //! messages; of a client that takes them more slowly than they come, the oldest are lost.
 //!
-//! **Nobody looks, nothing is drawn.** Contact networks, grains and markers are measured, drawn and
-//! encoded while a client has subscribed to them.
+//! **Nobody looks, nothing is drawn.** Contact networks, motions of the grains, grains and markers are
+//! measured, drawn and encoded while a client has subscribed to them.
 //!
 //! **Whoever comes later** gets, of the topics that say how the twin is (not of those that say what
 //! happened), the last message at once: frames, wall forces, state, moduli; networks and
@@ -180,6 +180,7 @@ impl Sink for LiveSink {
             moduli: true,
             contact_network: marked || asked(&topics::CONTACT_NETWORK),
             grains: marked || asked(&topics::GRAINS),
+            grain_motion: asked(&topics::GRAIN_MOTION),
         }
     }
 

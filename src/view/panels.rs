@@ -5,6 +5,7 @@ mod energy;
 mod friction;
 mod measures;
 mod moduli;
+mod motion;
 mod solver;
 mod strain;
 mod typical;
@@ -33,6 +34,12 @@ pub fn sheets(history: &History, title: &str) -> Vec<(&'static str, Sheet)> {
     let coordination = measures::coordination(run, &strain);
     let friction = friction::mobilised(run, &strain);
     let forces = contacts::normal(run);
+    let motions = vec![
+        motion::non_affine(run, &strain),
+        motion::localisation(run, &strain),
+        motion::band(run, &strain),
+        motion::distribution(run),
+    ];
     let effort = [solver::iterations(run), solver::residual(run)];
 
     // The most telling first; the later ones stand in where an earlier one has no value.
@@ -54,6 +61,7 @@ pub fn sheets(history: &History, title: &str) -> Vec<(&'static str, Sheet)> {
         ("energy", vec![energy::energy(run, &strain)]),
         ("effort", effort.to_vec()),
         ("forces", vec![forces, contacts::tangential(run)]),
+        ("motion", motions),
     ];
     let subtitle = subtitle(history);
     let sheet = |(name, mut charts): (_, Vec<Chart>)| {

@@ -17,7 +17,7 @@ mod walls;
 use crate::msg::picture::{Marker, MarkerArray, Point, PointCloud2};
 use crate::msg::standard::Header;
 use crate::msg::topics::VIEW_FRAME;
-use crate::report::{Grains, Measures};
+use crate::report::{GrainMotion, Grains, Measures};
 use crate::scene::{Choice, ColorBy, Scene, View};
 use crate::wall::Bounds;
 
@@ -87,7 +87,8 @@ impl Painter {
         markers.push(caption::caption(&canvas, &self.name, measures));
         markers.extend(chains::chains(&canvas, grains, measures.network.as_ref()));
         if grains.radius.len() <= MOST_SPHERES {
-            markers.extend(spheres::spheres(&canvas, &self.view, grains));
+            let values = values(grains, measures.motion.as_ref(), self.view.color);
+            markers.extend(spheres::spheres(&canvas, &self.view, grains, &values));
         }
         Some(MarkerArray { markers })
     }
@@ -103,12 +104,20 @@ fn power_of_ten(bounds: &Bounds) -> f64 {
     10f64.powi(-largest.log10().round() as i32)
 }
 
-/// What spheres are coloured by, one number a grain.
-fn values(grains: &Grains, by: ColorBy) -> Vec<f64> {
-    match by {
-        ColorBy::Force => grains.pressure.clone(),
-        ColorBy::Displacement => grains.displacement.iter().map(length).collect(),
-    }
+/// What spheres are coloured by, one number a grain. Where there is none, as D²min of a grain without
+/// neighbours or rotations without friction, it is NaN.
+fn values(grains: &Grains, motion: Option<&GrainMotion>, by: ColorBy) -> Vec<f64> {
+    let lengths = |vectors: &[[f64; 3]]| vectors.iter().map(length).collect();
+    let mut values = match (by, motion) {
+        (ColorBy::Force, _) => grains.pressure.clone(),
+        (ColorBy::Displacement, _) => lengths(&grains.displacement),
+        (ColorBy::NonAffine, Some(motion)) => lengths(&motion.non_affine),
+        (ColorBy::Rotation, Some(motion)) => lengths(&motion.rotation),
+        (ColorBy::D2min, Some(motion)) => motion.d2min.clone(),
+        (_, None) => Vec::new(),
+    };
+    values.resize(grains.radius.len(), f64::NAN);
+    values
 }
 
 fn length(vector: &[f64; 3]) -> f64 {

@@ -1,6 +1,7 @@
 //! The measures of one run.
 
-use crate::msg::{ContactNetwork, Moduli, PackState, WallForces};
+use super::motions::Motions;
+use crate::msg::{ContactNetwork, GrainMotion, Moduli, PackState, WallForces};
 
 /// The measures between two resets of the twin, in the order of the bag. A reset takes the pack
 /// back to the start and counts the increments from 0 again.
@@ -16,6 +17,8 @@ pub struct Run {
     pub networks: Option<[Forces; 2]>,
     /// What the contacts of each network carry together.
     pub loads: Vec<Load>,
+    /// How the grains moved.
+    pub motions: Motions,
 }
 
 /// The contact forces of one equilibrium.
@@ -46,6 +49,7 @@ pub(super) enum Measure {
     Walls(WallForces),
     Moduli(Moduli),
     Network(ContactNetwork),
+    Motion(Box<GrainMotion>),
 }
 
 impl Run {
@@ -62,7 +66,8 @@ impl Run {
         let walls = self.walls.iter().map(|walls| walls.increment);
         let moduli = self.moduli.iter().map(|moduli| moduli.increment);
         let networks = self.loads.iter().map(|load| load.increment);
-        let all = states.chain(walls).chain(moduli).chain(networks);
+        let motions = self.motions.whole.iter().map(|motion| motion.increment);
+        let all = states.chain(walls).chain(moduli).chain(networks).chain(motions);
         all.fold(None, |range, at| {
             let (first, last) = range.unwrap_or((at, at));
             Some((first.min(at), last.max(at)))
@@ -72,7 +77,7 @@ impl Run {
     /// The equilibria that most is known of.
     pub(super) fn len(&self) -> usize {
         let measured = self.states.len().max(self.walls.len());
-        measured.max(self.moduli.len()).max(self.loads.len())
+        measured.max(self.moduli.len()).max(self.loads.len()).max(self.motions.whole.len())
     }
 
     /// Whether `measure` tells of a later run than the measures of its type so far.
@@ -88,6 +93,7 @@ impl Run {
             Measure::Network(next) => {
                 (self.loads.last().map(|m| m.increment), next.increment, next.chunk > 0)
             }
+            Measure::Motion(next) => (self.motions.increment(), next.increment, next.chunk > 0),
         };
         last.is_some_and(|last| next < last || (next == 0 && last == 0 && !goes_on))
     }
@@ -98,6 +104,7 @@ impl Run {
             Measure::Walls(walls) => self.walls.push(walls),
             Measure::Moduli(moduli) => self.moduli.push(moduli),
             Measure::Network(network) => self.add_network(network),
+            Measure::Motion(motion) => self.motions.add(*motion),
         }
     }
 

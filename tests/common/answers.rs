@@ -5,7 +5,8 @@ use std::sync::Arc;
 use graintwin::command::{Ask, Command, Disposition, Mode, Stamp};
 use graintwin::record::Provenance;
 use graintwin::report::{
-    ContactNetwork, Event, EventKind, Measures, Moduli, PackState, Report, WallForces,
+    Band, ContactNetwork, Event, EventKind, GrainMotion, Localisation, Measures, Moduli, PackState,
+    Report, WallForces,
 };
 use graintwin::sink::Served;
 
@@ -154,6 +155,35 @@ fn measures(stamp: Stamp, increment: u64, contacts: u32) -> Measures {
         overlap: values(contacts),
         state: (0..contacts).map(|contact| (contact % 2) as u8).collect(),
     };
+    let mut vectors = |count| values(3 * count).as_chunks().0.to_vec();
+    let [displacement, non_affine] = std::array::from_fn(|_| vectors(contacts / 3));
+    let mut scalars = || values(contacts / 3);
+    let motion = GrainMotion {
+        displacement,
+        non_affine,
+        rotation: Vec::new(),
+        total_rotation: Vec::new(),
+        d2min: scalars(),
+        shear_strain: scalars(),
+        volumetric_strain: scalars(),
+        carries: (0..contacts / 3).map(|grain| grain.is_multiple_of(2)).collect(),
+        localisation: Localisation {
+            affine_rms: next(),
+            non_affine_rms: next(),
+            non_affine_ratio: next(),
+            rotation_rms: f64::NAN,
+            participation: next(),
+            rotation_participation: f64::NAN,
+            d2min_top_1: next(),
+            d2min_top_10: next(),
+            band: Band {
+                center: std::array::from_fn(|_| next()),
+                normal: std::array::from_fn(|_| next()),
+                spread: std::array::from_fn(|_| next()),
+                thickness: next(),
+            },
+        },
+    };
     Measures {
         stamp,
         increment,
@@ -164,5 +194,6 @@ fn measures(stamp: Stamp, increment: u64, contacts: u32) -> Measures {
         moduli: Some(moduli),
         network: Some(network),
         grains: None,
+        motion: Some(motion),
     }
 }

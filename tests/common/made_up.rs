@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use graintwin::command::{Command, Disposition, Mode, Stamp};
 use graintwin::report::{
-    ContactNetwork, Demand, Event, EventKind, Measures, Moduli, PackState, Report, WallForces,
+    Band, ContactNetwork, Demand, Event, EventKind, GrainMotion, Localisation, Measures, Moduli,
+    PackState, Report, WallForces,
 };
 use graintwin::sink::Served;
 
@@ -118,6 +119,7 @@ impl MadeUpTwin {
                 state: (0..contacts).map(|_| (n.index() % 2) as u8).collect(),
             }),
             grains: None,
+            motion: demand.grain_motion.then(|| n.motion(contacts)),
         }
     }
 }
@@ -147,6 +149,39 @@ impl Numbers {
             stress_after: self.next(),
             grains: (0..5).map(|_| self.index()).collect(),
             displacement: (0..5).map(|_| self.next()).collect(),
+        }
+    }
+
+    fn motion(&mut self, grains: usize) -> GrainMotion {
+        let mut vectors = || (0..grains).map(|_| from_fn(|_| self.next())).collect();
+        let [displacement, non_affine, rotation, total_rotation] = from_fn(|_| vectors());
+        let mut scalars = || (0..grains).map(|_| self.next()).collect();
+        let [d2min, shear_strain, volumetric_strain] = from_fn(|_| scalars());
+        GrainMotion {
+            displacement,
+            non_affine,
+            rotation,
+            total_rotation,
+            d2min,
+            shear_strain,
+            volumetric_strain,
+            carries: (0..grains).map(|_| self.index().is_multiple_of(2)).collect(),
+            localisation: Localisation {
+                affine_rms: self.next(),
+                non_affine_rms: self.next(),
+                non_affine_ratio: self.next(),
+                rotation_rms: self.next(),
+                participation: self.next(),
+                rotation_participation: self.next(),
+                d2min_top_1: self.next(),
+                d2min_top_10: self.next(),
+                band: Band {
+                    center: from_fn(|_| self.next()),
+                    normal: from_fn(|_| self.next()),
+                    spread: from_fn(|_| self.next()),
+                    thickness: self.next(),
+                },
+            },
         }
     }
 

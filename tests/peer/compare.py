@@ -2,40 +2,53 @@
 
     compare.py EXPECTED.json RECEIVED.json [--ignore FIELD]...
 
-Both hold a list of messages for every topic. Contact networks are expected whole and come in
-chunks, which are put together here. Prints the first difference and exits with 1.
+Both hold a list of messages for every topic. Contact networks and motions of the grains are expected
+whole and come in chunks, which are put together here. Prints the first difference and exits with 1.
 """
 
 import argparse
 import json
 import sys
 
-LARGEST_CHUNK = 700
-COLUMNS = ("first", "second", "normal", "normal_force", "tangential_force", "overlap", "state")
+# By topic: the most entries of a chunk, a column with one of each, and all columns.
+CHUNKED = {
+    "contact_network": (
+        700,
+        "first",
+        ("first", "second", "normal", "normal_force", "tangential_force", "overlap", "state"),
+    ),
+    "grain_motion": (
+        450,
+        "carries",
+        ("displacement", "non_affine", "rotation", "total_rotation", "d2min", "shear_strain",
+         "volumetric_strain", "carries"),
+    ),
+}
 
 
-def whole(chunks):
-    """One network per increment from its chunks."""
-    networks = {}
+def whole(topic, chunks):
+    """One message per increment from its chunks."""
+    messages = {}
     for chunk in chunks:
-        networks.setdefault(chunk["increment"], []).append(chunk)
-    return [joined(increment, parts) for increment, parts in networks.items()]
+        messages.setdefault(chunk["increment"], []).append(chunk)
+    return [joined(topic, increment, parts) for increment, parts in messages.items()]
 
 
-def joined(increment, parts):
+def joined(topic, increment, parts):
+    largest, counted, columns = CHUNKED[topic]
     numbers = [part["chunk"] for part in parts]
     count = parts[0]["chunk_count"]
     if numbers != list(range(count)):
-        sys.exit(f"contact_network of increment {increment}: chunks {numbers} of {count}")
+        sys.exit(f"{topic} of increment {increment}: chunks {numbers} of {count}")
     for part in parts:
         if part["chunk_count"] != count or part["header"] != parts[0]["header"]:
-            sys.exit(f"contact_network of increment {increment}: chunks that disagree")
-        if len(part["first"]) > LARGEST_CHUNK:
-            sys.exit(f"contact_network of increment {increment}: {len(part['first'])} in a chunk")
-    network = {**parts[0], "chunk": 0, "chunk_count": 1}
-    for column in COLUMNS:
-        network[column] = [value for part in parts for value in part[column]]
-    return network
+            sys.exit(f"{topic} of increment {increment}: chunks that disagree")
+        if len(part[counted]) > largest:
+            sys.exit(f"{topic} of increment {increment}: {len(part[counted])} in a chunk")
+    message = {**parts[0], "chunk": 0, "chunk_count": 1}
+    for column in columns:
+        message[column] = [value for part in parts for value in part[column]]
+    return message
 
 
 def compare(path, expected, received, ignored):
@@ -64,7 +77,8 @@ def main():
         expected = json.load(file)
     with open(arguments.received, encoding="utf-8") as file:
         received = json.load(file)
-    received["contact_network"] = whole(received["contact_network"])
+    for topic in CHUNKED:
+        received[topic] = whole(topic, received[topic])
     for topic in expected:
         compare(topic, expected[topic], received[topic], arguments.ignore)
 

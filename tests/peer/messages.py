@@ -123,6 +123,35 @@ class ContactNetwork(IdlStruct, typename="graintwin_msgs.msg.dds_.ContactNetwork
 
 
 @dataclass
+class GrainMotion(IdlStruct, typename="graintwin_msgs.msg.dds_.GrainMotion_"):
+    header: Header
+    increment: uint64
+    chunk: uint32
+    chunk_count: uint32
+    first_grain: uint32
+    displacement: sequence[float64]
+    non_affine: sequence[float64]
+    rotation: sequence[float64]
+    total_rotation: sequence[float64]
+    d2min: sequence[float64]
+    shear_strain: sequence[float64]
+    volumetric_strain: sequence[float64]
+    carries: sequence[bool]
+    affine_rms: float64
+    non_affine_rms: float64
+    non_affine_ratio: float64
+    rotation_rms: float64
+    participation: float64
+    rotation_participation: float64
+    d2min_top_1: float64
+    d2min_top_10: float64
+    band_center: array[float64, 3]
+    band_normal: array[float64, 3]
+    band_spread: array[float64, 3]
+    band_thickness: float64
+
+
+@dataclass
 class Event(IdlStruct, typename="graintwin_msgs.msg.dds_.Event_"):
     header: Header
     increment: uint64
@@ -329,6 +358,7 @@ OUT = {
     "state": Out(PackState, 20000),
     "moduli": Out(Moduli, 20000, latched=True),
     "contact_network": Out(ContactNetwork, 2000),
+    "grain_motion": Out(GrainMotion, 2000),
     "events": Out(Event, 20000),
     "report": Out(Report, 20000),
 }

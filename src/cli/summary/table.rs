@@ -49,6 +49,16 @@ pub(super) fn write(summary: &Summary) -> String {
         let what = format!("{} contacts opened, {} formed", summary.opened, summary.formed);
         line(&mut text, "friction", &what);
     }
+    if let Some(motion) = summary.grain_motion.filter(|motion| motion.non_affine_ratio.is_finite()) {
+        let part = |value: f64| significant(value, 3);
+        let what = format!(
+            "last increment: non-affine over affine {}, participation {}, top tenth in D²min {}",
+            part(motion.non_affine_ratio),
+            part(motion.participation),
+            part(motion.d2min_top_10),
+        );
+        line(&mut text, "grain motion", &what);
+    }
     #[cfg(feature = "ros")]
     if let Some(node) = &summary.node {
         line(

@@ -10,7 +10,7 @@ use super::outlets::Outlet;
 use crate::report::{Measures, Report};
 use crate::sink::Served;
 
-/// Answers that wait with their contact network or grains: a network of 10^6 contacts is 73 MB.
+/// Answers that wait with their contact network, grains or motion: a network of 10^6 contacts is 73 MB.
 const MOST_WHOLE: usize = 4;
 
 /// Answers that wait at all. They are emptied at the speed of encoding, which waits for no client;
@@ -35,7 +35,7 @@ pub(super) struct Work {
 
 /// Between the twin, the clients, and the thread that encodes.
 pub(super) struct Queue {
-    /// The outlets that need networks or grains.
+    /// The outlets that need networks, grains or their motion.
     pictures: Vec<Outlet>,
     state: Mutex<State>,
     changed: Condvar,
@@ -120,7 +120,7 @@ impl Queue {
 }
 
 impl State {
-    /// Takes network and grains from the oldest answers when too many wait with them; returns from
+    /// Takes network, grains and their motion from the oldest answers when too many wait with them; returns from
     /// how many.
     fn lighten(&mut self) -> u64 {
         let whole = self.answers.iter().filter(|waiting| is_whole(&waiting.served)).count();
@@ -136,17 +136,19 @@ impl State {
 
 fn is_whole(served: &Served) -> bool {
     let measures = served.report.measures.as_ref();
-    measures.is_some_and(|measures| measures.network.is_some() || measures.grains.is_some())
+    measures.is_some_and(|measures| {
+        measures.network.is_some() || measures.grains.is_some() || measures.motion.is_some()
+    })
 }
 
-/// The same answer without network and grains.
+/// The same answer without network, grains and their motion.
 fn light(served: &Served) -> Served {
     let Report { stamp, sequence, increment, disposition, substeps, .. } = served.report;
     let (session, text) = (served.report.session.clone(), served.report.text.clone());
     let measures = served.report.measures.as_ref().map(|measures| {
         let Measures { stamp, increment, walls, wall_force_error, state, moduli, .. } = *measures;
         let events = measures.events.clone();
-        let (network, grains) = (None, None);
+        let (network, grains, motion) = (None, None, None);
         Measures {
             stamp,
             increment,
@@ -157,6 +159,7 @@ fn light(served: &Served) -> Served {
             moduli,
             network,
             grains,
+            motion,
         }
     });
     let report =

@@ -34,7 +34,9 @@ impl Colormap {
         Self { low, high, opacity: opacity as f32 }
     }
 
+    /// That of `value`; what is no number has the first.
     pub(super) fn color(&self, value: f64) -> ColorRGBA {
+        let value = if value.is_nan() { self.low } else { value };
         let share = ((value - self.low) / (self.high - self.low)).clamp(0.0, 1.0) as f32;
         let at = (share * SHADES).round() / SHADES * (VIRIDIS.len() - 1) as f32;
         let below = (at as usize).min(VIRIDIS.len() - 2);
@@ -46,9 +48,10 @@ impl Colormap {
 }
 
 /// From 0 to three times the mean of `values`: contact forces fall off exponentially, and hardly
-/// any grain lies above. Where the mean is 0, from 0 to 1.
+/// any grain lies above. Where the mean is 0, from 0 to 1. What is not a number does not count.
 pub(super) fn range_of(values: &[f64]) -> [f64; 2] {
-    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    let known = || values.iter().filter(|value| !value.is_nan());
+    let mean = known().sum::<f64>() / known().count().max(1) as f64;
     [0.0, if mean > 0.0 { 3.0 * mean } else { 1.0 }]
 }
 
@@ -60,7 +63,7 @@ mod tests {
     fn the_ends_of_the_range_have_the_first_and_the_last_colour_and_so_has_what_lies_beyond() {
         let map = Colormap::new([2.0, 4.0], 0.5);
         let color = |[r, g, b]: [f32; 3]| ColorRGBA { r, g, b, a: 0.5 };
-        for value in [f64::NEG_INFINITY, 1.9, 2.0] {
+        for value in [f64::NEG_INFINITY, 1.9, 2.0, f64::NAN] {
             assert_eq!(map.color(value), color([0.267, 0.005, 0.329]));
         }
         for value in [4.0, 4.1, f64::INFINITY] {

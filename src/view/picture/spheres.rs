@@ -1,7 +1,7 @@
 //! Grains as spheres: a list of spheres has one size for all, so grains are binned by radius.
 
 use super::colormap::{Colormap, range_of};
-use super::{Canvas, values};
+use super::Canvas;
 use crate::msg::picture::Marker;
 use crate::report::Grains;
 use crate::scene::{Choice, View};
@@ -16,12 +16,16 @@ const WIDTH: f64 = 0.03;
 const EQUAL: f64 = 1e-6;
 
 /// One marker a bin, from the smallest radius to the largest; bins without a grain are deleted.
-/// Each sphere is as large as the middle of its bin.
-pub(super) fn spheres(canvas: &Canvas, view: &View, grains: &Grains) -> Vec<Marker> {
-    let values = values(grains, view.color);
+/// Each sphere is as large as the middle of its bin, and coloured by its number in `values`.
+pub(super) fn spheres(
+    canvas: &Canvas,
+    view: &View,
+    grains: &Grains,
+    values: &[f64],
+) -> Vec<Marker> {
     let range = match view.range {
         Choice::Given(range) => range,
-        Choice::Auto => range_of(&values),
+        Choice::Auto => range_of(values),
     };
     let colors = Colormap::new(range, view.opacity);
     let bins = Bins::of(&grains.radius);

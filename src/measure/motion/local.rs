@@ -1,0 +1,129 @@
+//! Local deformation after M. L. Falk and J. S. Langer, Phys. Rev. E 57, 7192 (1998), eqs. 2.11 to
+//! 2.14: the deformation gradient F that takes the neighbours of a grain most nearly from where they
+//! were to where they are, seen from the grain, and D²min, what it leaves.
+//!
+//! Written with displacements instead of positions, F = 1 + G: positions that differ by 1e-6 of a
+//! grain leave ten digits of their squares to rounding.
+
+use nalgebra::Matrix3;
+use rayon::prelude::*;
+
+use crate::Vec3;
+use crate::contact::cells::Cells;
+
+/// Surfaces of neighbours are closer than this many mean radii, so that centres of equal grains are
+/// closer than 1.5 diameters: the first shell of neighbours, and the gap behind it.
+pub const GAP: f64 = 1.0;
+
+/// Largest tr Y tr Y⁻¹ of neighbours that span the space: 9 when they lie around the grain evenly,
+/// this when they are within a hundredth of their distance from a plane.
+const FLAT: f64 = 1e4;
+
+/// Fewer neighbours, if they span the space, fix the gradient and leave nothing whatever they do.
+const LEAST: usize = 4;
+
+/// Grains that a task takes.
+const CHUNK: usize = 256;
+
+/// What the deformation is computed from, arrays of the same grains.
+#[derive(Clone, Copy, Debug)]
+pub struct Grains<'a> {
+    /// Centres before \[m\].
+    pub position: &'a [Vec3],
+    /// Ways of the centres \[m\].
+    pub displacement: &'a [Vec3],
+    /// Radii \[m\].
+    pub radius: &'a [f64],
+    /// Whether the grain counts as a neighbour. Where grains float that carry no load is not
+    /// mechanics.
+    pub carries: &'a [bool],
+}
+
+/// Deformation of the neighbourhood of a grain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Deformation {
+    /// D²min over the number of neighbours \[m²\].
+    pub d2min: f64,
+    /// √(½ e:e), e the deviator of the Green-Lagrange strain.
+    pub shear_strain: f64,
+    /// 1 - det F: loss of volume over volume.
+    pub volumetric_strain: f64,
+}
+
+impl Deformation {
+    /// Of a grain whose neighbours do not span the space, or are fewer than four.
+    pub const UNKNOWN: Self =
+        Self { d2min: f64::NAN, shear_strain: f64::NAN, volumetric_strain: f64::NAN };
+}
+
+/// The deformation of the neighbourhood of each grain.
+#[must_use]
+pub fn deformations(grains: &Grains<'_>) -> Vec<Deformation> {
+    let count = grains.radius.len();
+    let largest = grains.radius.iter().copied().fold(0.0, f64::max);
+    let mean = grains.radius.iter().sum::<f64>() / count.max(1) as f64;
+    let gap = GAP * mean;
+    let mut cells = Cells::default();
+    cells.sort(grains.position, 2.0 * largest + gap);
+    let mut deformations = vec![Deformation::UNKNOWN; count];
+    deformations.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, deformations)| {
+        let mut near = Vec::new();
+        for (k, deformation) in deformations.iter_mut().enumerate() {
+            let i = chunk * CHUNK + k;
+            near.clear();
+            cells.for_each_near(&grains.position[i], |j| {
+                near.extend(grains.neighbour(i, j as usize, gap));
+            });
+            *deformation = deformation_of(&near);
+        }
+    });
+    deformations
+}
+
+/// A neighbour as the grain sees it.
+#[derive(Clone, Copy)]
+struct Neighbour {
+    /// Where it was \[m\].
+    from: Vec3,
+    /// How it moved \[m\].
+    moved: Vec3,
+}
+
+impl Grains<'_> {
+    fn neighbour(&self, i: usize, j: usize, gap: f64) -> Option<Neighbour> {
+        let from = self.position[j] - self.position[i];
+        let reach = self.radius[i] + self.radius[j] + gap;
+        let near = i != j && self.carries[j] && from.norm_squared() < reach * reach;
+        near.then(|| Neighbour { from, moved: self.displacement[j] - self.displacement[i] })
+    }
+}
+
+fn deformation_of(near: &[Neighbour]) -> Deformation {
+    if near.len() < LEAST {
+        return Deformation::UNKNOWN;
+    }
+    let (mut moved, mut shape) = (Matrix3::zeros(), Matrix3::zeros());
+    for neighbour in near {
+        let from = neighbour.from.transpose();
+        moved += neighbour.moved * from;
+        shape += neighbour.from * from;
+    }
+    let Some(inverse) = shape.try_inverse() else { return Deformation::UNKNOWN };
+    let evenness = shape.trace() * inverse.trace();
+    if !(0.0..FLAT).contains(&evenness) {
+        return Deformation::UNKNOWN;
+    }
+    // Eqs. 2.12 to 2.14: X is `shape` + `moved`, Y is `shape`, and ε = X Y⁻¹ - 1.
+    let gradient = moved * inverse;
+    let left = |n: &Neighbour| (n.moved - gradient * n.from).norm_squared();
+    let strain = 0.5 * (gradient + gradient.transpose() + gradient.transpose() * gradient);
+    let deviator = strain - Matrix3::identity() * (strain.trace() / 3.0);
+    // det(1 + G) - 1, expanded, since 1 would take the digits of small strains.
+    let trace = gradient.trace();
+    let second = 0.5 * (trace * trace - (gradient * gradient).trace());
+    Deformation {
+        d2min: near.iter().map(left).sum::<f64>() / near.len() as f64,
+        shear_strain: (0.5 * deviator.norm_squared()).sqrt(),
+        volumetric_strain: -(trace + second + gradient.determinant()),
+    }
+}
