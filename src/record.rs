@@ -318,5 +318,6 @@ fn demand(settings: &scene::Record) -> Demand {
     demand.moduli = settings.takes(&topics::MODULI);
     demand.contact_network = marked || settings.takes(&topics::CONTACT_NETWORK);
     demand.grains = marked || settings.takes(&topics::GRAINS);
+    demand.fabric = settings.takes(&topics::FABRIC);
     demand
 }

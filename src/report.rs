@@ -1,9 +1,13 @@
 //! What one increment says: the answers of the twin, in SI units, compression positive.
 
+mod fabric;
+
 use serde::Serialize;
 
 use crate::command::{Disposition, Stamp};
 use crate::wall;
+
+pub use fabric::{AngularForm, ByAngle, Chains, Directions, Fabric};
 
 /// Which measures somebody wants; what is not wanted is not computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -16,11 +20,18 @@ pub struct Demand {
     pub contact_network: bool,
     /// Every grain: [`Grains`].
     pub grains: bool,
+    /// Statistics of the force network: [`Fabric`].
+    pub fabric: bool,
 }
 
 impl Demand {
     /// Everything.
-    pub const ALL: Self = Self { state: true, moduli: true, contact_network: true, grains: true };
+    pub const ALL: Self =
+        Self { state: true, moduli: true, contact_network: true, grains: true, fabric: true };
+
+    /// Nothing.
+    pub const NONE: Self =
+        Self { state: false, moduli: false, contact_network: false, grains: false, fabric: false };
 
     /// What this or the `other` wants.
     #[must_use]
@@ -30,6 +41,7 @@ impl Demand {
             moduli: self.moduli || other.moduli,
             contact_network: self.contact_network || other.contact_network,
             grains: self.grains || other.grains,
+            fabric: self.fabric || other.fabric,
         }
     }
 }
@@ -78,6 +90,8 @@ pub struct Measures {
     pub network: Option<ContactNetwork>,
     /// Present when [`Demand::grains`] was set.
     pub grains: Option<Grains>,
+    /// Present when [`Demand::fabric`] was set.
+    pub fabric: Option<Fabric>,
 }
 
 /// What kind of event, as `graintwin_msgs/Event` numbers it.

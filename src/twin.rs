@@ -11,13 +11,13 @@ use crate::command::gate::{Decision, Gate, Order, join};
 use crate::command::{Command, Disposition, Stamp};
 use crate::measure::contacts::Contacts;
 use crate::measure::coordination::{self, Histograms};
-use crate::measure::{grains, moduli, network, porosity, stress, walls};
+use crate::measure::{fabric, grains, moduli, network, porosity, stress, walls};
 use crate::model::{Model, sphere_volume};
 use crate::pack::{Grain, History, Pack};
 use crate::relax::advance::Advance;
 use crate::relax::jump::Jump;
 use crate::relax::{Effort, Outcome, Status, Workspace, accuracy, relax};
-use crate::report::{Demand, Event, EventKind, Measures, Moduli, PackState, Report};
+use crate::report::{Demand, Event, EventKind, Fabric, Measures, Moduli, PackState, Report};
 use crate::scene::{Method, Scene};
 use crate::state::State;
 use crate::wall::{self, Setpoint, WallTarget};
@@ -63,6 +63,8 @@ pub struct Twin {
     spent: Effort,
     /// What the walls do from the start on.
     targets: [WallTarget; wall::COUNT],
+    /// Share of the contacts that make the force chains.
+    chain_share: f64,
 }
 
 impl Twin {
@@ -100,6 +102,7 @@ impl Twin {
             given_history: pack.history.clone().filter(|_| model.friction.is_some()),
             spent: Effort::default(),
             targets: scene.walls.targets.in_order(),
+            chain_share: scene.outputs.chain_share,
             model,
         })
     }
@@ -329,6 +332,8 @@ impl Twin {
             moduli::secant(change(normal, before.0), change(strain, before.1), density)
         });
         let grains = demand.grains.then(|| grains::grains(model, state, &contacts.list));
+        let fabric =
+            demand.fabric.then(|| fabric::fabric(model, state, &contacts, self.chain_share));
         let state = demand.state.then(|| {
             let numbers = coordination::numbers(model, contacts.counted());
             let love_weber = stress::from_contacts(&contacts.list, &bounds);
@@ -381,6 +386,7 @@ impl Twin {
                 .contact_network
                 .then(|| network::network(&self.model, contacts.counted())),
             grains,
+            fabric,
         }
     }
 
@@ -422,6 +428,14 @@ impl Twin {
         let contacts = Contacts::of(model, state, &work.neighbours);
         let numbers = coordination::numbers(model, contacts.counted());
         coordination::histograms(model, state, &numbers)
+    }
+
+    /// Statistics of the force network now.
+    pub fn fabric(&mut self) -> Fabric {
+        let Self { model, state, work, .. } = self;
+        work.neighbours.refresh(model, &state.position, &state.bounds(model));
+        let contacts = Contacts::of(model, state, &work.neighbours);
+        fabric::fabric(model, state, &contacts, self.chain_share)
     }
 
     /// The specimen as it is now, in the order of the pack file.

@@ -18,7 +18,7 @@ use graintwin::msg::rcl::{Log, Parameter, ParameterEvent, ParameterValue};
 use graintwin::msg::services::{SavePack, Service, SetBool, Trigger};
 use graintwin::msg::{
     BoundaryCommand, Circumstance, Clock, ContactNetwork, Described, DiagnosticArray,
-    DiagnosticStatus, Discrepancy, Duration, Event, Header, JointState, JointTrajectory,
+    DiagnosticStatus, Discrepancy, Duration, Event, Fabric, Header, JointState, JointTrajectory,
     JointTrajectoryPoint, KeyValue, Moduli, PackState, Quaternion, Report, TFMessage, Time,
     Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench, WrenchStamped, topics,
 };
@@ -86,6 +86,7 @@ fn every_struct_has_the_fields_of_its_text() {
     assert_same_fields::<ContactNetwork>();
     assert_same_fields::<Report>();
     assert_same_fields::<Event>();
+    assert_same_fields::<Fabric>();
     assert_same_fields::<Time>();
     assert_same_fields::<Header>();
     assert_same_fields::<Vector3>();
@@ -169,6 +170,7 @@ fn every_message_text_is_built_by_the_package_and_has_a_struct() {
         ContactNetwork::TYPE,
         Report::TYPE,
         Event::TYPE,
+        Fabric::TYPE,
         Discrepancy::TYPE,
         Circumstance::TYPE,
     ];
@@ -333,6 +335,7 @@ fn measures(contacts: u32) -> Measures {
             state: (0..contacts).map(|i| (i % 2) as u8).collect(),
         }),
         grains: None,
+        fabric: None,
     }
 }
 
@@ -377,6 +380,7 @@ fn measures_nobody_asked_for_make_no_message() {
     assert_eq!(convert::network_chunks(&measures, LIVE_CHUNK).count(), 0);
     assert_eq!(convert::pack_state(&measures), None);
     assert_eq!(convert::moduli(&measures), None);
+    assert_eq!(convert::fabric(&measures), None);
 }
 
 /// A force F at the centre of the wall x_max, 2 m from the centre of the box along x, turns about

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use indicatif::MultiProgress;
 
-use graintwin::scene::Loaded;
+use graintwin::scene::{Loaded, When};
 use graintwin::sink::Sink;
 use graintwin::twin::Twin;
 use graintwin::view::picture::Painter;
@@ -142,6 +142,9 @@ pub(super) fn carry_out(job: Job<'_>) -> Result<Outcome, Failure> {
         return Err(failure);
     }
     summary.histograms(twin.coordination());
+    if loaded.scene.outputs.fabric != When::Never {
+        summary.network(twin.fabric());
+    }
     output::print(&if json { summary.json()? } else { summary.table() })?;
     Ok(if summary.complete() { Outcome::Done } else { Outcome::Incomplete })
 }

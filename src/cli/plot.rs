@@ -11,11 +11,11 @@ use graintwin::view::{self, History, Sheet};
 use super::{Failure, Outcome, output};
 
 /// Draws a recording: stresses, volume change, moduli, coordination, friction, energies, contact
-/// forces and solver effort, as SVG and PNG.
+/// forces, their directions and chains, and solver effort, as SVG and PNG.
 ///
 /// Writes overview with the four most telling charts, and stress_strain, stress_path,
-/// volume_change, wall_forces, moduli, coordination, friction, energy, effort and forces, and prints
-/// the names of the files. Charts bear the name of the scene and the units of their axes. What the
+/// volume_change, wall_forces, moduli, coordination, friction, energy, effort, forces, fabric and
+/// network, and prints the names of the files. Charts bear the name of the scene and the units of their axes. What the
 /// recording does not hold is left out, and so is friction where no contact carried any. A damaged
 /// recording is drawn as far as it can be read, and the exit code is 3.
 #[derive(Debug, clap::Args)]
@@ -109,7 +109,8 @@ fn tell_losses(history: &History) -> Outcome {
 fn nothing(bag: &Path, history: &History) -> anyhow::Error {
     let what = if history.run.is_empty() { "holds no" } else { "holds no finite value in its" };
     anyhow!(
-        "{} {what} graintwin_msgs/msg/PackState, WallForces, Moduli or ContactNetwork: there is \
+        "{} {what} graintwin_msgs/msg/PackState, WallForces, Moduli, ContactNetwork or \
+         Fabric: there is \
          nothing to draw",
         bag.display()
     )

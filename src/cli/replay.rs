@@ -13,7 +13,7 @@ use graintwin::command::circumstance::Happened;
 use graintwin::record::reader::{Bag, Source};
 use graintwin::record::replay::{Compared, Difference, Replay, ReplayError, Step, Tape};
 use graintwin::relax::lanes;
-use graintwin::scene::{self, Loaded, Outputs};
+use graintwin::scene::{self, Loaded, Outputs, When};
 use graintwin::sink::Sink;
 use graintwin::twin::Twin;
 use graintwin::view::picture::Painter;
@@ -216,6 +216,9 @@ fn own(
         return verdict.outcome();
     }
     summary.histograms(twin.coordination());
+    if outputs.fabric != When::Never {
+        summary.network(twin.fabric());
+    }
     output::print(&if args.json { summary.json()? } else { summary.table() })?;
     Ok(if whole && summary.is_undamaged() { Outcome::Done } else { Outcome::Incomplete })
 }

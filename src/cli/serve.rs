@@ -174,6 +174,7 @@ pub(super) fn ordered(outputs: Outputs, wanted: Demand) -> Demand {
         },
         contact_network: when(outputs.contact_network, wanted.contact_network),
         grains: when(outputs.markers, wanted.grains),
+        fabric: when(outputs.fabric, wanted.fabric),
     }
 }
 

@@ -11,7 +11,7 @@ use serde::Serialize;
 use graintwin::command::Disposition;
 use graintwin::measure::coordination::Histograms;
 use graintwin::pack::prepare::Reached;
-use graintwin::report::{Demand, Event, Measures, Moduli, PackState, WallForces};
+use graintwin::report::{Demand, Event, Fabric, Measures, Moduli, PackState, WallForces};
 use graintwin::scene::{Friction, Loaded};
 use graintwin::sink::{Served, Sink};
 use graintwin::wall::Bounds;
@@ -63,6 +63,8 @@ pub(super) struct Summary {
     lost: Vec<String>,
     /// How many grains have 0, 1, 2, ... contacts at the end.
     coordination: Histograms,
+    /// Statistics of the force network at the end.
+    fabric: Option<Fabric>,
     /// The initial equilibrium.
     start: Option<Moment>,
     /// The last one.
@@ -118,6 +120,7 @@ impl Summary {
             recording: None,
             lost: Vec::new(),
             coordination: Histograms::default(),
+            fabric: None,
             start: None,
             end: None,
         }
@@ -137,6 +140,11 @@ impl Summary {
     /// Takes the coordination numbers at the end.
     pub(super) fn histograms(&mut self, histograms: Histograms) {
         self.coordination = histograms;
+    }
+
+    /// Takes the statistics of the force network at the end.
+    pub(super) fn network(&mut self, fabric: Fabric) {
+        self.fabric = Some(fabric);
     }
 
     /// Takes what the node and the rig did.
@@ -214,7 +222,7 @@ impl Summary {
 
 impl Sink for &mut Summary {
     fn demand(&self) -> Demand {
-        Demand { state: true, moduli: true, contact_network: false, grains: false }
+        Demand { state: true, moduli: true, ..Demand::NONE }
     }
 
     fn served(&mut self, served: &Arc<Served>) {

@@ -1,5 +1,9 @@
 //! From the twin's commands and reports to messages, and back for commands.
 
+mod fabric;
+
+pub use fabric::fabric;
+
 use super::topics::{PACK_FRAME, VIEW_FRAME, WORLD_FRAME, wall_frame};
 use super::{
     BoundaryCommand, ContactNetwork, Discrepancy, Event, Header, JointState, Moduli, PackState,

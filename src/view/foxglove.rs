@@ -180,6 +180,7 @@ impl Sink for LiveSink {
             moduli: true,
             contact_network: marked || asked(&topics::CONTACT_NETWORK),
             grains: marked || asked(&topics::GRAINS),
+            fabric: asked(&topics::FABRIC),
         }
     }
 

@@ -2,9 +2,11 @@
 
 mod contacts;
 mod energy;
+mod fabric;
 mod friction;
 mod measures;
 mod moduli;
+mod network;
 mod solver;
 mod strain;
 mod typical;
@@ -54,6 +56,23 @@ pub fn sheets(history: &History, title: &str) -> Vec<(&'static str, Sheet)> {
         ("energy", vec![energy::energy(run, &strain)]),
         ("effort", effort.to_vec()),
         ("forces", vec![forces, contacts::tangential(run)]),
+        (
+            "fabric",
+            vec![
+                fabric::anisotropy(run, &strain),
+                fabric::stress_ratio(run, &strain),
+                fabric::axial_share(run, &strain),
+                fabric::by_angle(run),
+            ],
+        ),
+        (
+            "network",
+            vec![
+                network::strongest_paths(run, &strain),
+                network::coordination(run),
+                network::mobilised(run),
+            ],
+        ),
     ];
     let subtitle = subtitle(history);
     let sheet = |(name, mut charts): (_, Vec<Chart>)| {

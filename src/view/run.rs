@@ -1,6 +1,6 @@
 //! The measures of one run.
 
-use crate::msg::{ContactNetwork, Moduli, PackState, WallForces};
+use crate::msg::{ContactNetwork, Fabric, Moduli, PackState, WallForces};
 
 /// The measures between two resets of the twin, in the order of the bag. A reset takes the pack
 /// back to the start and counts the increments from 0 again.
@@ -12,6 +12,8 @@ pub struct Run {
     pub walls: Vec<WallForces>,
     /// The moduli.
     pub moduli: Vec<Moduli>,
+    /// Statistics of the force network.
+    pub fabrics: Vec<Fabric>,
     /// The forces of the first and of the last contact network, which may be the same.
     pub networks: Option<[Forces; 2]>,
     /// What the contacts of each network carry together.
@@ -46,6 +48,7 @@ pub(super) enum Measure {
     Walls(WallForces),
     Moduli(Moduli),
     Network(ContactNetwork),
+    Fabric(Fabric),
 }
 
 impl Run {
@@ -62,7 +65,8 @@ impl Run {
         let walls = self.walls.iter().map(|walls| walls.increment);
         let moduli = self.moduli.iter().map(|moduli| moduli.increment);
         let networks = self.loads.iter().map(|load| load.increment);
-        let all = states.chain(walls).chain(moduli).chain(networks);
+        let fabrics = self.fabrics.iter().map(|fabric| fabric.increment);
+        let all = states.chain(walls).chain(moduli).chain(networks).chain(fabrics);
         all.fold(None, |range, at| {
             let (first, last) = range.unwrap_or((at, at));
             Some((first.min(at), last.max(at)))
@@ -72,7 +76,7 @@ impl Run {
     /// The equilibria that most is known of.
     pub(super) fn len(&self) -> usize {
         let measured = self.states.len().max(self.walls.len());
-        measured.max(self.moduli.len()).max(self.loads.len())
+        measured.max(self.moduli.len()).max(self.loads.len()).max(self.fabrics.len())
     }
 
     /// Whether `measure` tells of a later run than the measures of its type so far.
@@ -84,6 +88,9 @@ impl Run {
             Measure::Walls(next) => (self.walls.last().map(|m| m.increment), next.increment, false),
             Measure::Moduli(next) => {
                 (self.moduli.last().map(|m| m.increment), next.increment, false)
+            }
+            Measure::Fabric(next) => {
+                (self.fabrics.last().map(|m| m.increment), next.increment, false)
             }
             Measure::Network(next) => {
                 (self.loads.last().map(|m| m.increment), next.increment, next.chunk > 0)
@@ -98,6 +105,7 @@ impl Run {
             Measure::Walls(walls) => self.walls.push(walls),
             Measure::Moduli(moduli) => self.moduli.push(moduli),
             Measure::Network(network) => self.add_network(network),
+            Measure::Fabric(fabric) => self.fabrics.push(fabric),
         }
     }
 

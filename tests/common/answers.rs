@@ -1,5 +1,8 @@
 //! Answers of a twin that was never there, every field another number.
 
+#[path = "made_up_fabric.rs"]
+mod made_up_fabric;
+
 use std::sync::Arc;
 
 use graintwin::command::{Ask, Command, Disposition, Mode, Stamp};
@@ -144,6 +147,7 @@ fn measures(stamp: Stamp, increment: u64, contacts: u32) -> Measures {
         p_speed: next(),
         s_speed: next(),
     };
+    let fabric = made_up_fabric::fabric(&mut next);
     let mut values = |count: u32| (0..count).map(|_| next()).collect::<Vec<f64>>();
     let network = ContactNetwork {
         first: (0..contacts).collect(),
@@ -164,5 +168,6 @@ fn measures(stamp: Stamp, increment: u64, contacts: u32) -> Measures {
         moduli: Some(moduli),
         network: Some(network),
         grains: None,
+        fabric: Some(fabric),
     }
 }

@@ -1,5 +1,8 @@
 //! A twin without physics: every number it answers is made up, distinct and reproducible.
 
+#[path = "made_up_fabric.rs"]
+mod made_up_fabric;
+
 use std::array::from_fn;
 use std::sync::Arc;
 
@@ -118,6 +121,7 @@ impl MadeUpTwin {
                 state: (0..contacts).map(|_| (n.index() % 2) as u8).collect(),
             }),
             grains: None,
+            fabric: demand.fabric.then(|| made_up_fabric::fabric(&mut || n.next())),
         }
     }
 }

@@ -67,6 +67,7 @@ impl Step {
             moduli: has(&topics::MODULI),
             contact_network: has(&topics::CONTACT_NETWORK) || marked,
             grains: has(&topics::GRAINS) || marked,
+            fabric: has(&topics::FABRIC),
         }
     }
 
