@@ -6,6 +6,7 @@
 pub mod contacts;
 pub mod coordination;
 pub mod discrepancy;
+pub mod fabric;
 pub mod grains;
 pub mod moduli;
 pub mod motion;

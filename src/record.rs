@@ -319,5 +319,6 @@ fn demand(settings: &scene::Record) -> Demand {
     demand.contact_network = marked || settings.takes(&topics::CONTACT_NETWORK);
     demand.grains = marked || settings.takes(&topics::GRAINS);
     demand.grain_motion = settings.takes(&topics::GRAIN_MOTION);
+    demand.fabric = settings.takes(&topics::FABRIC);
     demand
 }

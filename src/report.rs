@@ -2,11 +2,15 @@
 
 mod motion;
 
+mod fabric;
+
 use serde::Serialize;
 
 use crate::command::{Disposition, Stamp};
 use crate::wall;
 pub use motion::{Band, GrainMotion, Localisation};
+
+pub use fabric::{AngularForm, ByAngle, Chains, Directions, Fabric};
 
 /// Which measures somebody wants; what is not wanted is not computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -21,18 +25,11 @@ pub struct Demand {
     pub grains: bool,
     /// Displacements and rotations of the grains in the increment: [`GrainMotion`].
     pub grain_motion: bool,
+    /// Statistics of the force network: [`Fabric`].
+    pub fabric: bool,
 }
 
 impl Demand {
-    /// Nothing but wall forces, which are always there.
-    pub const NONE: Self = Self {
-        state: false,
-        moduli: false,
-        contact_network: false,
-        grains: false,
-        grain_motion: false,
-    };
-
     /// Everything.
     pub const ALL: Self = Self {
         state: true,
@@ -40,6 +37,17 @@ impl Demand {
         contact_network: true,
         grains: true,
         grain_motion: true,
+        fabric: true,
+    };
+
+    /// Nothing but wall forces, which are always there.
+    pub const NONE: Self = Self {
+        state: false,
+        moduli: false,
+        contact_network: false,
+        grains: false,
+        grain_motion: false,
+        fabric: false,
     };
 
     /// What this or the `other` wants.
@@ -51,6 +59,7 @@ impl Demand {
             contact_network: self.contact_network || other.contact_network,
             grains: self.grains || other.grains,
             grain_motion: self.grain_motion || other.grain_motion,
+            fabric: self.fabric || other.fabric,
         }
     }
 }
@@ -102,6 +111,8 @@ pub struct Measures {
     /// Present when [`Demand::grain_motion`] was set, or [`Demand::grains`] with a scene whose pictures
     /// show it, unless the scene says never.
     pub motion: Option<GrainMotion>,
+    /// Present when [`Demand::fabric`] was set.
+    pub fabric: Option<Fabric>,
 }
 
 /// What kind of event, as `graintwin_msgs/Event` numbers it.

@@ -145,6 +145,7 @@ impl Scene {
         }
         self.solver.check(&at.key("solver"), problems);
         self.load_path.check(&at.key("load_path"), problems);
+        self.outputs.check(&at.key("outputs"), problems);
         self.node.check(&at.key("node"), problems);
         self.record.check(&at.key("record"), problems);
         self.view.check(&at.key("view"), &self.outputs, problems);

@@ -12,14 +12,14 @@ use crate::command::gate::{Decision, Gate, Order, join};
 use crate::command::{Command, Disposition, Stamp};
 use crate::measure::contacts::Contacts;
 use crate::measure::coordination::{self, Histograms};
-use crate::measure::{grains, moduli, motion, network, porosity, stress, walls};
+use crate::measure::{fabric, grains, moduli, motion, network, porosity, stress, walls};
 use crate::model::{Model, sphere_volume};
 use crate::pack::{Grain, History, Pack};
 use crate::relax::advance::Advance;
 use crate::relax::jump::Jump;
 use crate::relax::{Effort, Outcome, Status, Workspace, accuracy, relax};
 use crate::report::{
-    Demand, Event, EventKind, GrainMotion, Measures, Moduli, PackState, Report,
+    Demand, Event, EventKind, Fabric, GrainMotion, Measures, Moduli, PackState, Report,
 };
 use crate::scene::{Method, Scene, When};
 use crate::state::State;
@@ -71,6 +71,8 @@ pub struct Twin {
     past: Option<Past>,
     /// Whether pictures of the grains show their motion.
     shows_motion: bool,
+    /// Share of the contacts that make the force chains.
+    chain_share: f64,
 }
 
 impl Twin {
@@ -110,6 +112,7 @@ impl Twin {
             targets: scene.walls.targets.in_order(),
             shows_motion: scene.view.color.is_of_motion(),
             past: (scene.outputs.grain_motion != When::Never).then(Past::default),
+            chain_share: scene.outputs.chain_share,
             model,
         })
     }
@@ -343,6 +346,8 @@ impl Twin {
             moduli::secant(change(normal, before.0), change(strain, before.1), density)
         });
         let grains = demand.grains.then(|| grains::grains(model, state, &contacts.list));
+        let fabric =
+            demand.fabric.then(|| fabric::fabric(model, state, &contacts, self.chain_share));
         let state = demand.state.then(|| {
             let numbers = coordination::numbers(model, contacts.counted());
             let love_weber = stress::from_contacts(&contacts.list, &bounds);
@@ -396,6 +401,7 @@ impl Twin {
                 .then(|| network::network(&self.model, contacts.counted())),
             grains,
             motion,
+            fabric,
         }
     }
 
@@ -447,6 +453,14 @@ impl Twin {
         let contacts = Contacts::of(model, state, &work.neighbours);
         let numbers = coordination::numbers(model, contacts.counted());
         coordination::histograms(model, state, &numbers)
+    }
+
+    /// Statistics of the force network now.
+    pub fn fabric(&mut self) -> Fabric {
+        let Self { model, state, work, .. } = self;
+        work.neighbours.refresh(model, &state.position, &state.bounds(model));
+        let contacts = Contacts::of(model, state, &work.neighbours);
+        fabric::fabric(model, state, &contacts, self.chain_share)
     }
 
     /// The specimen as it is now, in the order of the pack file.

@@ -19,7 +19,7 @@ use graintwin::msg::{
     JointTrajectoryPoint, KeyValue, Vector3, Wrench, WrenchStamped, convert,
 };
 use graintwin::record::{Recorded, Recorder};
-use graintwin::report::Measures;
+use graintwin::report::{AngularForm, Measures};
 use graintwin::scene::{Compression, Record};
 use graintwin::sink::{Beside, Recording, Served, Sink};
 use graintwin::wall;
@@ -216,6 +216,7 @@ fn expected_measures(measures: &Measures) -> Vec<Value> {
             }),
         ),
     ));
+    messages.push(message("fabric", &merged(common("pack"), expected_fabric(measures))));
     for event in &measures.events {
         messages.push(message(
             "events",
@@ -232,6 +233,39 @@ fn expected_measures(measures: &Measures) -> Vec<Value> {
         ));
     }
     messages
+}
+
+/// The statistics of the force network, flat.
+fn expected_fabric(measures: &Measures) -> Value {
+    let fabric = measures.fabric.as_ref().unwrap();
+    let (directions, chains, angle) = (&fabric.directions, &fabric.chains, &fabric.angle);
+    let form = |form: &AngularForm| [form.lateral, form.axial, form.shear];
+    let fields = json!({
+        "contacts": fabric.contacts,
+        "grain_contacts": fabric.grain_contacts,
+        "mean_normal_force": fabric.mean_normal_force,
+        "mean_tangential_force": fabric.mean_tangential_force,
+        "chain_share": chains.share,
+        "chain_threshold": chains.threshold,
+        "chain_contacts": chains.contacts,
+        "chain_grains": chains.grains,
+        "chains": chains.count,
+        "largest_chain": chains.largest,
+        "chain_load": chains.load,
+        "chain_spans": chains.spans,
+        "strongest_path": chains.strongest_path,
+        "force_histogram": fabric.force_histogram,
+        "mobilised_histogram": fabric.mobilised_histogram,
+        "angle_count": angle.count,
+        "angle_normal": numbers(&angle.normal),
+        "angle_tangential": numbers(&angle.tangential),
+        "angle_shear": numbers(&angle.shear),
+        "angle_fitted": form(&angle.fitted),
+        "angle_predicted": form(&angle.predicted),
+        "coordination": fabric.coordination.all,
+        "interior_coordination": fabric.coordination.interior,
+    });
+    merged(serde_json::to_value(directions).unwrap(), fields)
 }
 
 fn merged(one: Value, other: Value) -> Value {
@@ -276,6 +310,7 @@ fn two_independent_readers_find_every_field_of_every_message() {
             "/graintwin/discrepancy",
             "/graintwin/events",
             "/graintwin/grain_motion",
+            "/graintwin/fabric",
             "/graintwin/grains",
             "/graintwin/joint_states",
             "/graintwin/joint_trajectory",

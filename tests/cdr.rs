@@ -16,9 +16,10 @@ use graintwin::msg::picture::{
 };
 use graintwin::msg::{
     BoundaryCommand, Circumstance, Clock, ContactNetwork, Described, DiagnosticArray,
-    DiagnosticStatus, Discrepancy, Duration, Event, GrainMotion, Header, JointState, JointTrajectory,
-    JointTrajectoryPoint, KeyValue, Moduli, PackState, Quaternion, Report, TFMessage, Time,
-    Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench, WrenchStamped,
+    DiagnosticStatus, Discrepancy, Duration, Event, Fabric, GrainMotion, Header, JointState,
+    JointTrajectory, JointTrajectoryPoint, KeyValue, Moduli, PackState, Quaternion, Report,
+    TFMessage, Time, Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench,
+    WrenchStamped,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -160,6 +161,25 @@ fn event() -> Event {
         stress_after: 1.0,
         grains: vec![5, 6, 7],
         displacement: vec![1e-3],
+    }
+}
+
+fn fabric() -> Fabric {
+    Fabric {
+        header: header("pack"),
+        contacts: 5,
+        shear_fabric: [0.5; 9],
+        cone_largest: [0.25, 0.5, 0.125],
+        largest_chain: 7,
+        chain_load: 0.75,
+        chain_spans: [true, false, true],
+        strongest_path: [1e-3, 0.0, 2e-3],
+        force_histogram: vec![1, 2, 3],
+        angle_count: vec![4],
+        angle_normal: vec![f64::MAX],
+        angle_predicted: [-1.0, 5e-324, 1.0],
+        interior_coordination: vec![0, 9],
+        ..Fabric::default()
     }
 }
 
@@ -352,6 +372,8 @@ fn bytes_hashes_and_definitions_are_those_of_an_independent_implementation() {
     }
     exchange.add(event());
     exchange.add(Event::default());
+    exchange.add(fabric());
+    exchange.add(Fabric::default());
     exchange.add(joint_state());
     exchange.add(JointState::default());
     exchange.add(joint_trajectory());

@@ -51,11 +51,12 @@ const DEFAULT: &str = "127.0.0.1:8765";
 
 const STATE: &str = "/graintwin/state";
 
-const TOPICS: [&str; 7] = [
+const TOPICS: [&str; 8] = [
     "/tf_static",
     STATE,
     "/graintwin/wall_forces",
     "/graintwin/moduli",
+    "/graintwin/fabric",
     "/graintwin/grains",
     "/graintwin/markers",
     "/graintwin/report",

@@ -18,9 +18,10 @@ use graintwin::msg::rcl::{Log, Parameter, ParameterEvent, ParameterValue};
 use graintwin::msg::services::{SavePack, Service, SetBool, Trigger};
 use graintwin::msg::{
     BoundaryCommand, Circumstance, Clock, ContactNetwork, Described, DiagnosticArray,
-    DiagnosticStatus, Discrepancy, Duration, Event, GrainMotion, Header, JointState, JointTrajectory,
-    JointTrajectoryPoint, KeyValue, Moduli, PackState, Quaternion, Report, TFMessage, Time,
-    Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench, WrenchStamped, topics,
+    DiagnosticStatus, Discrepancy, Duration, Event, Fabric, GrainMotion, Header, JointState,
+    JointTrajectory, JointTrajectoryPoint, KeyValue, Moduli, PackState, Quaternion, Report,
+    TFMessage, Time, Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench,
+    WrenchStamped, topics,
 };
 use graintwin::report::{self, ContactState, Measures};
 use graintwin::wall::{self, WallTarget};
@@ -87,6 +88,7 @@ fn every_struct_has_the_fields_of_its_text() {
     assert_same_fields::<GrainMotion>();
     assert_same_fields::<Report>();
     assert_same_fields::<Event>();
+    assert_same_fields::<Fabric>();
     assert_same_fields::<Time>();
     assert_same_fields::<Header>();
     assert_same_fields::<Vector3>();
@@ -171,6 +173,7 @@ fn every_message_text_is_built_by_the_package_and_has_a_struct() {
         GrainMotion::TYPE,
         Report::TYPE,
         Event::TYPE,
+        Fabric::TYPE,
         Discrepancy::TYPE,
         Circumstance::TYPE,
     ];
@@ -336,6 +339,7 @@ fn measures(contacts: u32) -> Measures {
         }),
         grains: None,
         motion: None,
+        fabric: None,
     }
 }
 
@@ -468,6 +472,7 @@ fn measures_nobody_asked_for_make_no_message() {
     assert_eq!(convert::pack_state(&measures), None);
     assert_eq!(convert::moduli(&measures), None);
     assert_eq!(convert::whole_motion(&measures), None);
+    assert_eq!(convert::fabric(&measures), None);
 }
 
 /// A force F at the centre of the wall x_max, 2 m from the centre of the box along x, turns about

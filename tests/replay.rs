@@ -196,6 +196,14 @@ fn one_bit_in_one_field_is_found_and_named() {
             "grains",
             "data[",
         ),
+        (
+            |report| {
+                let fabric = report.measures.as_mut().unwrap().fabric.as_mut().unwrap();
+                fabric.force_histogram[3] += 1;
+            },
+            "fabric",
+            "force_histogram[3]",
+        ),
         (|report| report.substeps += 1, "report", "substeps"),
         (|report| report.text = "said otherwise".into(), "report", "text"),
     ];

@@ -657,6 +657,20 @@ fn what_this_version_cannot_do_is_said_so() {
 }
 
 #[test]
+fn the_force_chains_are_a_share_of_the_contacts() {
+    let scene = parse(&format!("{PACK}outputs: {{fabric: never, chain_share: 1.0}}")).unwrap();
+    assert_eq!((scene.outputs.fabric, scene.outputs.chain_share), (When::Never, 1.0));
+    assert_eq!(parse(PACK).unwrap().outputs.chain_share, 0.1);
+    let outside =
+        |text: &str| format!("2:24: outputs.chain_share: {text} is outside above 0, at most 1");
+    refused(&behind_pack(&[
+        ("outputs: {chain_share: 0.0}", &outside("0.0")),
+        ("outputs: {chain_share: 1.5}", &outside("1.5")),
+        ("outputs: {chain_share: .nan}", "2:24: outputs.chain_share: NaN is not a finite number"),
+    ]));
+}
+
+#[test]
 fn a_pack_is_made_or_read_and_its_keys_fit() {
     let generate =
         "generate: {grains: 10, radius: {constant: 1e-4}, material: glass, confining_stress: 1e6}";

@@ -44,13 +44,14 @@ fn said(report: &Report) -> String {
     let bits: Vec<u64> = floats.map(|value| value.to_bits()).collect();
     // `{:?}` of a float is its shortest form that reads back to the same bits.
     format!(
-        "{:?} {} {} {} {:?} {:?} {:?} {:?} {bits:?}",
+        "{:?} {} {} {} {:?} {:?} {:?} {:?} {:?} {bits:?}",
         report.disposition,
         report.increment,
         report.substeps,
         report.text,
         measures.state,
         measures.moduli,
+        measures.fabric,
         network.first,
         network.second,
     )
@@ -165,13 +166,7 @@ fn twins_on_different_threads_agree_after_every_command_whatever_the_others_do()
     let pack = made_by(2, 306);
     let counts = [1, 2, 7, 3];
     let mut twins = counts.map(|threads| Twin::new(&scene(), &pack, threads).unwrap());
-    let demand = |k: usize| Demand {
-        contact_network: k != 3,
-        moduli: k != 3,
-        state: k != 3,
-        grains: k != 3,
-        grain_motion: k != 3,
-    };
+    let demand = |k: usize| if k == 3 { Demand::NONE } else { Demand::ALL };
     for (k, twin) in twins.iter_mut().enumerate() {
         twin.start(demand(k));
     }

@@ -82,7 +82,7 @@ fn line(number: usize, name: &str, curves: &[Curve], grid: &[f64]) -> Series {
     drawn(number, name, &over_seeds(curves, grid))
 }
 
-fn drawn(number: usize, name: &str, places: &[(f64, Spread)]) -> Series {
+pub(crate) fn drawn(number: usize, name: &str, places: &[(f64, Spread)]) -> Series {
     Series {
         name: name.into(),
         points: places.iter().map(|(x, y)| [*x, y.mean]).collect(),
@@ -92,7 +92,7 @@ fn drawn(number: usize, name: &str, places: &[(f64, Spread)]) -> Series {
 }
 
 /// A dashed grey line.
-fn guide(name: &str, points: Vec<[f64; 2]>) -> Series {
+pub(crate) fn guide(name: &str, points: Vec<[f64; 2]>) -> Series {
     let stroke = Stroke { color: "#57606a", width: 1.4, pattern: Pattern::Dashed };
     Series { name: name.into(), points, spread: Vec::new(), stroke }
 }

@@ -2,12 +2,14 @@
 //! several seeds. `cargo bench --bench validation --no-default-features`
 //!
 //! Writes the figures of `docs/validation.md` into `docs/images` and prints its tables. Seeds as
-//! arguments take the place of the default ones: `-- 4 5`. One thread; takes minutes.
+//! arguments take the place of the default ones: `-- 4 5`, and names of parts select them:
+//! `-- network` (the force network), `-- moduli`. One thread; takes minutes.
 #![allow(clippy::print_stdout, clippy::expect_used)] // A bench prints, and ends when a step fails.
 
 mod curve;
 mod figures;
 mod intervals;
+mod network;
 mod runs;
 mod specimen;
 mod tables;
@@ -15,21 +17,41 @@ mod theory;
 
 use std::path::Path;
 
+use graintwin::view::Sheet;
+use network::Networks;
 use runs::Sample;
 
 /// Seeds of the packs.
 const SEEDS: [u64; 3] = [1, 2, 3];
 
+/// Parts that can be selected.
+const PARTS: [&str; 2] = ["moduli", "network"];
+
 fn main() {
-    let given: Vec<u64> = std::env::args().filter_map(|argument| argument.parse().ok()).collect();
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let given: Vec<u64> = arguments.iter().filter_map(|argument| argument.parse().ok()).collect();
     let seeds = if given.is_empty() { SEEDS.to_vec() } else { given };
+    let named = |part: &str| arguments.iter().any(|argument| argument == part);
+    let selected = |part: &str| named(part) || !PARTS.into_iter().any(named);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
-    let samples: Vec<Sample> =
-        pool.install(|| seeds.iter().map(|&seed| Sample::run(seed)).collect());
-    tables::print(&samples);
+    if selected("moduli") {
+        let samples: Vec<Sample> =
+            pool.install(|| seeds.iter().map(|&seed| Sample::run(seed)).collect());
+        tables::print(&samples);
+        draw(figures::sheets(&samples));
+    }
+    if selected("network") {
+        let networks: Vec<Networks> =
+            pool.install(|| seeds.iter().map(|&seed| Networks::run(seed)).collect());
+        network::print(&networks);
+        draw(network::sheets(&networks));
+    }
+}
+
+fn draw(sheets: Vec<(&str, Sheet)>) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/images");
     println!();
-    for (name, sheet) in figures::sheets(&samples) {
+    for (name, sheet) in sheets {
         let file = folder.join(name).with_extension("svg");
         std::fs::write(&file, sheet.to_svg()).expect("docs/images is part of the repository");
         println!("docs/images/{name}.svg");

@@ -31,7 +31,7 @@ fn spread(curves: &[Curve], stress: f64) -> Spread {
     Spread::of(curves.iter().map(|curve| at(curve, stress)))
 }
 
-fn head(title: &str, columns: &[&str]) {
+pub(crate) fn head(title: &str, columns: &[&str]) {
     println!("\n{title}\n");
     println!("| {} |", columns.join(" | "));
     println!("|{}", " --- |".repeat(columns.len()));

@@ -141,7 +141,7 @@ pub(super) fn carry_out(job: Job<'_>) -> Result<Outcome, Failure> {
     if let Some(failure) = broken.into_inner() {
         return Err(failure);
     }
-    summary.ends(&mut twin);
+    summary.ends(&mut twin, loaded.scene.outputs);
     output::print(&if json { summary.json()? } else { summary.table() })?;
     Ok(if summary.complete() { Outcome::Done } else { Outcome::Incomplete })
 }

@@ -11,13 +11,14 @@ use graintwin::view::{self, History, Sheet};
 use super::{Failure, Outcome, output};
 
 /// Draws a recording: stresses, volume change, moduli, coordination, friction, energies, contact
-/// forces, motion of the grains and solver effort, as SVG and PNG.
+/// forces, their directions and chains, motion of the grains and solver effort, as SVG and PNG.
 ///
 /// Writes overview with the four most telling charts, and stress_strain, stress_path,
-/// volume_change, wall_forces, moduli, coordination, friction, energy, effort, forces and motion, and
-/// prints the names of the files. Charts bear the name of the scene and the units of their axes. What the
-/// recording does not hold is left out, and so is friction where no contact carried any. A damaged
-/// recording is drawn as far as it can be read, and the exit code is 3.
+/// volume_change, wall_forces, moduli, coordination, friction, energy, effort, forces, fabric,
+/// network and motion, and prints the names of the files. Charts bear the name of the scene and the
+/// units of their axes. What the recording does not hold is left out, and so is friction where no
+/// contact carried any. A damaged recording is drawn as far as it can be read, and the exit code is
+/// 3.
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = "Example:\n  graintwin plot bags/rig_log --out plots/rig_log")]
 pub(super) struct Args {
@@ -109,8 +110,8 @@ fn tell_losses(history: &History) -> Outcome {
 fn nothing(bag: &Path, history: &History) -> anyhow::Error {
     let what = if history.run.is_empty() { "holds no" } else { "holds no finite value in its" };
     anyhow!(
-        "{} {what} graintwin_msgs/msg/PackState, WallForces, Moduli, ContactNetwork or GrainMotion: \
-         there is nothing to draw",
+        "{} {what} graintwin_msgs/msg/PackState, WallForces, Moduli, ContactNetwork, Fabric or \
+         GrainMotion: there is nothing to draw",
         bag.display()
     )
 }

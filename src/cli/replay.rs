@@ -215,7 +215,7 @@ fn own(
         output::print(&if args.json { verdict.json()? } else { verdict.text() })?;
         return verdict.outcome();
     }
-    summary.ends(&mut twin);
+    summary.ends(&mut twin, outputs);
     output::print(&if args.json { summary.json()? } else { summary.table() })?;
     Ok(if whole && summary.is_undamaged() { Outcome::Done } else { Outcome::Incomplete })
 }

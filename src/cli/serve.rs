@@ -175,6 +175,7 @@ pub(super) fn ordered(outputs: Outputs, wanted: Demand) -> Demand {
         contact_network: when(outputs.contact_network, wanted.contact_network),
         grains: when(outputs.markers, wanted.grains),
         grain_motion: when(outputs.grain_motion, wanted.grain_motion),
+        fabric: when(outputs.fabric, wanted.fabric),
     }
 }
 

@@ -12,9 +12,9 @@ use graintwin::command::Disposition;
 use graintwin::measure::coordination::Histograms;
 use graintwin::pack::prepare::Reached;
 use graintwin::report::{
-    Demand, Event, Localisation, Measures, Moduli, PackState, WallForces,
+    Demand, Event, Fabric, Localisation, Measures, Moduli, PackState, WallForces,
 };
-use graintwin::scene::{Friction, Loaded};
+use graintwin::scene::{Friction, Loaded, Outputs, When};
 use graintwin::sink::{Served, Sink};
 use graintwin::twin::Twin;
 use graintwin::wall::Bounds;
@@ -68,6 +68,8 @@ pub(super) struct Summary {
     coordination: Histograms,
     /// How unevenly the grains moved in the last increment, unless the scene says never.
     grain_motion: Option<Localisation>,
+    /// Statistics of the force network at the end.
+    fabric: Option<Fabric>,
     /// The initial equilibrium.
     start: Option<Moment>,
     /// The last one.
@@ -124,6 +126,7 @@ impl Summary {
             lost: Vec::new(),
             coordination: Histograms::default(),
             grain_motion: None,
+            fabric: None,
             start: None,
             end: None,
         }
@@ -140,10 +143,11 @@ impl Summary {
         self.lost.is_empty()
     }
 
-    /// Takes what is asked of the twin at the end only.
-    pub(super) fn ends(&mut self, twin: &mut Twin) {
+    /// Takes what is asked of the twin at the end only, and what of it the scene wants.
+    pub(super) fn ends(&mut self, twin: &mut Twin, outputs: Outputs) {
         self.coordination = twin.coordination();
         self.grain_motion = twin.motion().map(|motion| motion.localisation);
+        self.fabric = (outputs.fabric != When::Never).then(|| twin.fabric());
     }
 
     /// Takes what the node and the rig did.

@@ -9,8 +9,8 @@ use super::rcl::{Log, ParameterEvent};
 use super::topics::{self, Topic};
 use super::{
     BoundaryCommand, Circumstance, ContactNetwork, Described, DiagnosticArray, Discrepancy, Event,
-    GrainMotion, JointState, JointTrajectory, MarkerArray, MessageType, Moduli, PackState, PointCloud2, Report,
-    TFMessage, WallForces, WallTargets, WrenchStamped,
+    Fabric, GrainMotion, JointState, JointTrajectory, MarkerArray, MessageType, Moduli, PackState,
+    PointCloud2, Report, TFMessage, WallForces, WallTargets, WrenchStamped,
 };
 use crate::command::Stamp;
 use crate::report::Measures;
@@ -95,6 +95,9 @@ fn each_measure<E>(
     {
         give(&topics::GRAIN_MOTION, &motion)?;
     }
+    if let Some(fabric) = convert::fabric(measures) {
+        give(&topics::FABRIC, &fabric)?;
+    }
     for event in convert::events(measures) {
         give(&topics::EVENTS, &event)?;
     }
@@ -159,7 +162,7 @@ macro_rules! outgoing {
 }
 
 outgoing!(header of BoundaryCommand, WallTargets, Circumstance, Report, WallForces, WrenchStamped,
-    JointState, JointTrajectory, PackState, Moduli, ContactNetwork, GrainMotion, Event, Discrepancy,
+    JointState, JointTrajectory, PackState, Moduli, ContactNetwork, GrainMotion, Event, Discrepancy, Fabric,
     DiagnosticArray, PointCloud2);
 outgoing!(Log: |message| message.stamp.into(), ParameterEvent: |message| message.stamp.into());
 outgoing!(TFMessage: |message| {

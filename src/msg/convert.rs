@@ -4,6 +4,10 @@ mod motion;
 
 pub use motion::{LIVE_GRAINS, motion_chunks, whole_motion};
 
+mod fabric;
+
+pub use fabric::fabric;
+
 use super::topics::{PACK_FRAME, VIEW_FRAME, WORLD_FRAME, wall_frame};
 use super::{
     BoundaryCommand, ContactNetwork, Discrepancy, Event, Header, JointState, Moduli, PackState,

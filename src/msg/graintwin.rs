@@ -2,6 +2,8 @@
 
 mod grain_motion;
 
+mod fabric;
+
 use serde::{Deserialize, Serialize};
 
 pub use grain_motion::GrainMotion;
@@ -9,6 +11,8 @@ pub use grain_motion::GrainMotion;
 use super::schema::describe;
 use super::standard::{Header, Vector3};
 use crate::wall;
+
+pub use fabric::Fabric;
 
 /// Where the walls shall be.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -280,6 +284,11 @@ message!(
     Event,
     &[Header::TYPE],
     "9f1b0c43f9cff3211287b84a8ec76e58fca0007b277f937673b1ab5bf87cee0a"
+);
+message!(
+    Fabric,
+    &[Header::TYPE],
+    "4bee00b59ab2a18a5e459924fe03f394439e74f2c1bf31cc2e40722fbcfdf5f9"
 );
 message!(
     Discrepancy,

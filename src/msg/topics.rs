@@ -3,9 +3,9 @@
 use super::rcl::{Log, ParameterEvent};
 use super::schema::{Described, MessageType};
 use super::{
-    BoundaryCommand, Circumstance, ContactNetwork, DiagnosticArray, Discrepancy, Event, GrainMotion,
-    JointState, JointTrajectory, MarkerArray, Moduli, PackState, PointCloud2, Report, TFMessage, WallForces,
-    WallTargets, WrenchStamped,
+    BoundaryCommand, Circumstance, ContactNetwork, DiagnosticArray, Discrepancy, Event, Fabric,
+    GrainMotion, JointState, JointTrajectory, MarkerArray, Moduli, PackState, PointCloud2, Report,
+    TFMessage, WallForces, WallTargets, WrenchStamped,
 };
 use crate::wall;
 
@@ -139,6 +139,9 @@ pub static GRAINS: Topic = Topic::new("grains", PointCloud2::TYPE, 2);
 /// Out: [`MarkerArray`] with spheres, force chains, walls and a line of text.
 pub static MARKERS: Topic = Topic::new("markers", MarkerArray::TYPE, 2);
 
+/// Out: [`Fabric`].
+pub static FABRIC: Topic = Topic::new("fabric", Fabric::TYPE, 64);
+
 /// Out: [`Event`], one message an event.
 pub static EVENTS: Topic = Topic::new("events", Event::TYPE, 64);
 
@@ -172,6 +175,7 @@ pub fn measures() -> impl Iterator<Item = &'static Topic> {
         &MODULI,
         &CONTACT_NETWORK,
         &GRAIN_MOTION,
+        &FABRIC,
         &EVENTS,
         &GRAINS,
         &MARKERS,

@@ -12,9 +12,9 @@ use super::names::Identity;
 use super::services::Services;
 use super::{NodeError, clock, mapping};
 use crate::msg::{
-    BoundaryCommand, Clock, ContactNetwork, DiagnosticArray, Discrepancy, Event, GrainMotion,
-    JointState, JointTrajectory, MarkerArray, Moduli, PackState, PointCloud2, Report, TFMessage, Topic,
-    WallForces, WallTargets, WrenchStamped, topics,
+    BoundaryCommand, Clock, ContactNetwork, DiagnosticArray, Discrepancy, Event, Fabric,
+    GrainMotion, JointState, JointTrajectory, MarkerArray, Moduli, PackState, PointCloud2, Report,
+    TFMessage, Topic, WallForces, WallTargets, WrenchStamped, topics,
 };
 use crate::{scene, wall};
 
@@ -35,6 +35,7 @@ pub(super) struct Endpoints {
     pub grains: Out<PointCloud2>,
     pub markers: Out<MarkerArray>,
     pub events: Out<Event>,
+    pub fabric: Out<Fabric>,
     pub report: Out<Report>,
     /// When load cells are mapped.
     pub discrepancy: Option<Out<Discrepancy>>,
@@ -125,6 +126,7 @@ impl Endpoints {
             grains: Out::new(&mut node, identity, &topics::GRAINS)?,
             markers: Out::new(&mut node, identity, &topics::MARKERS)?,
             events: Out::new(&mut node, identity, &topics::EVENTS)?,
+            fabric: Out::new(&mut node, identity, &topics::FABRIC)?,
             report: Out::new(&mut node, identity, &topics::REPORT)?,
             discrepancy: cells
                 .map(|_| Out::new(&mut node, identity, &topics::DISCREPANCY))
@@ -154,6 +156,7 @@ impl Endpoints {
             self.grains.listeners(self),
             self.markers.listeners(self),
             self.events.listeners(self),
+            self.fabric.listeners(self),
             self.report.listeners(self),
         ]);
         all.extend(self.discrepancy.as_ref().map(|discrepancy| discrepancy.listeners(self)));

@@ -16,7 +16,7 @@ use super::endpoints::Endpoints;
 use super::frames::{Frame, Frames};
 use super::pictures::{Easel, Picture};
 use crate::msg::{
-    Discrepancy, Event, JointState, Moduli, PackState, Report, TFMessage, WallForces,
+    Discrepancy, Event, Fabric, JointState, Moduli, PackState, Report, TFMessage, WallForces,
     WrenchStamped, convert,
 };
 use crate::report::Demand;
@@ -52,6 +52,7 @@ pub(super) enum Outgoing {
     Frame(Frame),
     Picture(Picture, Arc<Served>),
     Event(Event),
+    Fabric(Fabric),
     Report(Report),
     Discrepancy(Discrepancy),
     /// Kept by the middleware for whoever comes later.
@@ -97,6 +98,7 @@ impl NodeSink {
             messages.push(Outgoing::WallStates(convert::wall_states(measures)));
             messages.extend(convert::pack_state(measures).map(Outgoing::State));
             messages.extend(convert::moduli(measures).map(Outgoing::Moduli));
+            messages.extend(convert::fabric(measures).map(Outgoing::Fabric));
             messages.extend(convert::events(measures).map(Outgoing::Event));
         }
         messages.push(Outgoing::Report(Report::from(&served.report)));
@@ -123,7 +125,7 @@ impl Sink for NodeSink {
             When::OnDemand => asked(listens),
             When::Never => false,
         };
-        let Outputs { contact_network, grain_motion, markers, .. } = self.outputs;
+        let Outputs { contact_network, grain_motion, markers, fabric, .. } = self.outputs;
         // The markers show the state and the contacts too.
         let marked =
             self.draws && when(markers, |endpoints| endpoints.markers.has_listener(endpoints));
@@ -139,6 +141,7 @@ impl Sink for NodeSink {
             contact_network: when(contact_network, |endpoints| {
                 endpoints.contact_network.has_listener(endpoints)
             }) || marked && contact_network != When::Never,
+            fabric: when(fabric, |endpoints| endpoints.fabric.has_listener(endpoints)),
         }
     }
 
@@ -233,6 +236,7 @@ impl Outbox {
             Outgoing::Picture(Picture::Grains, _) => endpoints.grains.has_listener(endpoints),
             Outgoing::Picture(Picture::Markers, _) => endpoints.markers.has_listener(endpoints),
             Outgoing::Event(_) => endpoints.events.has_listener(endpoints),
+            Outgoing::Fabric(_) => endpoints.fabric.has_listener(endpoints),
             Outgoing::Report(_) => endpoints.report.has_listener(endpoints),
             Outgoing::Discrepancy(_) => {
                 endpoints.discrepancy.as_ref().is_some_and(|out| out.has_listener(endpoints))
@@ -251,6 +255,7 @@ impl Outbox {
             Outgoing::State(message) => endpoints.state.publish(message).await,
             Outgoing::Moduli(message) => endpoints.moduli.publish(message).await,
             Outgoing::Event(message) => endpoints.events.publish(message).await,
+            Outgoing::Fabric(message) => endpoints.fabric.publish(message).await,
             Outgoing::Report(message) => endpoints.report.publish(message).await,
             Outgoing::Discrepancy(message) => match &endpoints.discrepancy {
                 Some(out) => out.publish(message).await,

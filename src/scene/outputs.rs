@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::check::{Field, Problems};
+
 /// When a measure is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -27,7 +29,7 @@ pub enum ModuliKind {
 }
 
 /// What is computed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Outputs {
     /// Every contact.
@@ -38,4 +40,29 @@ pub struct Outputs {
     pub grain_motion: When,
     /// Moduli.
     pub moduli: ModuliKind,
+    /// Statistics of the force network.
+    pub fabric: When,
+    /// τ_FC (T 2.7.4.1): share of the contacts, those with the largest normal forces, that make the
+    /// force chains of `fabric`; above 0, at most 1.
+    pub chain_share: f64,
+}
+
+impl Default for Outputs {
+    fn default() -> Self {
+        Self {
+            contact_network: When::default(),
+            markers: When::default(),
+            grain_motion: When::default(),
+            moduli: ModuliKind::default(),
+            fabric: When::default(),
+            chain_share: 0.1,
+        }
+    }
+}
+
+impl Outputs {
+    pub(super) fn check(&self, at: &Field, problems: &mut Problems) {
+        let inside = |share| 0.0 < share && share <= 1.0;
+        problems.number(at.key("chain_share"), self.chain_share, "above 0, at most 1", inside);
+    }
 }

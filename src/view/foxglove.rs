@@ -181,6 +181,7 @@ impl Sink for LiveSink {
             contact_network: marked || asked(&topics::CONTACT_NETWORK),
             grains: marked || asked(&topics::GRAINS),
             grain_motion: asked(&topics::GRAIN_MOTION),
+            fabric: asked(&topics::FABRIC),
         }
     }
 

@@ -70,7 +70,8 @@ impl History {
             .or_else(|| self.decode(message).map(Measure::Walls))
             .or_else(|| self.decode(message).map(Measure::Moduli))
             .or_else(|| self.decode(message).map(Measure::Network))
-            .or_else(|| self.decode(message).map(Box::new).map(Measure::Motion));
+            .or_else(|| self.decode(message).map(Box::new).map(Measure::Motion))
+            .or_else(|| self.decode(message).map(Measure::Fabric));
         let Some(measure) = measure else { return };
         if self.current.ends_before(&measure) {
             self.end_run();

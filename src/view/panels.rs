@@ -2,10 +2,12 @@
 
 mod contacts;
 mod energy;
+mod fabric;
 mod friction;
 mod measures;
 mod moduli;
 mod motion;
+mod network;
 mod solver;
 mod strain;
 mod typical;
@@ -62,6 +64,23 @@ pub fn sheets(history: &History, title: &str) -> Vec<(&'static str, Sheet)> {
         ("effort", effort.to_vec()),
         ("forces", vec![forces, contacts::tangential(run)]),
         ("motion", motions),
+        (
+            "fabric",
+            vec![
+                fabric::anisotropy(run, &strain),
+                fabric::stress_ratio(run, &strain),
+                fabric::axial_share(run, &strain),
+                fabric::by_angle(run),
+            ],
+        ),
+        (
+            "network",
+            vec![
+                network::strongest_paths(run, &strain),
+                network::coordination(run),
+                network::mobilised(run),
+            ],
+        ),
     ];
     let subtitle = subtitle(history);
     let sheet = |(name, mut charts): (_, Vec<Chart>)| {

@@ -1,7 +1,7 @@
 //! The measures of one run.
 
 use super::motions::Motions;
-use crate::msg::{ContactNetwork, GrainMotion, Moduli, PackState, WallForces};
+use crate::msg::{ContactNetwork, Fabric, GrainMotion, Moduli, PackState, WallForces};
 
 /// The measures between two resets of the twin, in the order of the bag. A reset takes the pack
 /// back to the start and counts the increments from 0 again.
@@ -13,6 +13,8 @@ pub struct Run {
     pub walls: Vec<WallForces>,
     /// The moduli.
     pub moduli: Vec<Moduli>,
+    /// Statistics of the force network.
+    pub fabrics: Vec<Fabric>,
     /// The forces of the first and of the last contact network, which may be the same.
     pub networks: Option<[Forces; 2]>,
     /// What the contacts of each network carry together.
@@ -50,6 +52,7 @@ pub(super) enum Measure {
     Moduli(Moduli),
     Network(ContactNetwork),
     Motion(Box<GrainMotion>),
+    Fabric(Fabric),
 }
 
 impl Run {
@@ -67,7 +70,8 @@ impl Run {
         let moduli = self.moduli.iter().map(|moduli| moduli.increment);
         let networks = self.loads.iter().map(|load| load.increment);
         let motions = self.motions.whole.iter().map(|motion| motion.increment);
-        let all = states.chain(walls).chain(moduli).chain(networks).chain(motions);
+        let fabrics = self.fabrics.iter().map(|fabric| fabric.increment);
+        let all = states.chain(walls).chain(moduli).chain(networks).chain(motions).chain(fabrics);
         all.fold(None, |range, at| {
             let (first, last) = range.unwrap_or((at, at));
             Some((first.min(at), last.max(at)))
@@ -77,7 +81,11 @@ impl Run {
     /// The equilibria that most is known of.
     pub(super) fn len(&self) -> usize {
         let measured = self.states.len().max(self.walls.len());
-        measured.max(self.moduli.len()).max(self.loads.len()).max(self.motions.whole.len())
+        measured
+            .max(self.moduli.len())
+            .max(self.loads.len())
+            .max(self.motions.whole.len())
+            .max(self.fabrics.len())
     }
 
     /// Whether `measure` tells of a later run than the measures of its type so far.
@@ -89,6 +97,9 @@ impl Run {
             Measure::Walls(next) => (self.walls.last().map(|m| m.increment), next.increment, false),
             Measure::Moduli(next) => {
                 (self.moduli.last().map(|m| m.increment), next.increment, false)
+            }
+            Measure::Fabric(next) => {
+                (self.fabrics.last().map(|m| m.increment), next.increment, false)
             }
             Measure::Network(next) => {
                 (self.loads.last().map(|m| m.increment), next.increment, next.chunk > 0)
@@ -105,6 +116,7 @@ impl Run {
             Measure::Moduli(moduli) => self.moduli.push(moduli),
             Measure::Network(network) => self.add_network(network),
             Measure::Motion(motion) => self.motions.add(*motion),
+            Measure::Fabric(fabric) => self.fabrics.push(fabric),
         }
     }
 

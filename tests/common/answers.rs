@@ -1,5 +1,8 @@
 //! Answers of a twin that was never there, every field another number.
 
+#[path = "made_up_fabric.rs"]
+mod made_up_fabric;
+
 use std::sync::Arc;
 
 use graintwin::command::{Ask, Command, Disposition, Mode, Stamp};
@@ -145,6 +148,7 @@ fn measures(stamp: Stamp, increment: u64, contacts: u32) -> Measures {
         p_speed: next(),
         s_speed: next(),
     };
+    let fabric = made_up_fabric::fabric(&mut next);
     let mut values = |count: u32| (0..count).map(|_| next()).collect::<Vec<f64>>();
     let network = ContactNetwork {
         first: (0..contacts).collect(),
@@ -195,5 +199,6 @@ fn measures(stamp: Stamp, increment: u64, contacts: u32) -> Measures {
         network: Some(network),
         grains: None,
         motion: Some(motion),
+        fabric: Some(fabric),
     }
 }

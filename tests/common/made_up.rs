@@ -1,5 +1,8 @@
 //! A twin without physics: every number it answers is made up, distinct and reproducible.
 
+#[path = "made_up_fabric.rs"]
+mod made_up_fabric;
+
 use std::array::from_fn;
 use std::sync::Arc;
 
@@ -120,6 +123,7 @@ impl MadeUpTwin {
             }),
             grains: None,
             motion: demand.grain_motion.then(|| n.motion(contacts)),
+            fabric: demand.fabric.then(|| made_up_fabric::fabric(&mut || n.next())),
         }
     }
 }

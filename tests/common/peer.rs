@@ -108,6 +108,7 @@ fn expected_json(served: &[Arc<Served>]) -> String {
     topic("moduli", json(all().filter_map(convert::moduli)));
     topic("contact_network", json(all().filter_map(convert::whole_network)));
     topic("grain_motion", json(all().filter_map(convert::whole_motion)));
+    topic("fabric", json(all().filter_map(convert::fabric)));
     topic("events", json(all().flat_map(convert::events)));
     serde_json::to_string(&topics).unwrap()
 }

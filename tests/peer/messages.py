@@ -163,6 +163,43 @@ class Event(IdlStruct, typename="graintwin_msgs.msg.dds_.Event_"):
 
 
 @dataclass
+class Fabric(IdlStruct, typename="graintwin_msgs.msg.dds_.Fabric_"):
+    header: Header
+    increment: uint64
+    contacts: uint32
+    grain_contacts: uint32
+    mean_normal_force: float64
+    mean_tangential_force: float64
+    fabric: array[float64, 9]
+    force_fabric: array[float64, 9]
+    shear_fabric: array[float64, 9]
+    contact_anisotropy: float64
+    normal_anisotropy: float64
+    tangential_anisotropy: float64
+    cone_all: array[float64, 3]
+    cone_largest: array[float64, 3]
+    chain_share: float64
+    chain_threshold: float64
+    chain_contacts: uint32
+    chain_grains: uint32
+    chains: uint32
+    largest_chain: uint32
+    chain_load: float64
+    chain_spans: array[bool, 3]
+    strongest_path: array[float64, 3]
+    force_histogram: sequence[uint32]
+    mobilised_histogram: sequence[uint32]
+    angle_count: sequence[uint32]
+    angle_normal: sequence[float64]
+    angle_tangential: sequence[float64]
+    angle_shear: sequence[float64]
+    angle_fitted: array[float64, 3]
+    angle_predicted: array[float64, 3]
+    coordination: sequence[uint32]
+    interior_coordination: sequence[uint32]
+
+
+@dataclass
 class Report(IdlStruct, typename="graintwin_msgs.msg.dds_.Report_"):
     header: Header
     session: str
@@ -360,6 +397,7 @@ OUT = {
     "contact_network": Out(ContactNetwork, 2000),
     "grain_motion": Out(GrainMotion, 2000),
     "events": Out(Event, 20000),
+    "fabric": Out(Fabric, 20000),
     "report": Out(Report, 20000),
 }
 

@@ -21,6 +21,8 @@ fn served(disposition: Disposition, iterations: Option<u32>) -> Served {
         moduli: None,
         network: None,
         grains: None,
+        motion: None,
+        fabric: None,
     });
     let report = Report {
         stamp: Stamp::default(),

@@ -183,8 +183,14 @@ fn is_command(topic: &Topic) -> bool {
 
 /// Whether a recording may have messages on `topic` for some answers only.
 fn is_on_demand(topic: &Topic) -> bool {
-    [&topics::STATE, &topics::MODULI, &topics::CONTACT_NETWORK, &topics::GRAIN_MOTION]
-        .contains(&topic)
+    [
+        &topics::STATE,
+        &topics::MODULI,
+        &topics::CONTACT_NETWORK,
+        &topics::GRAIN_MOTION,
+        &topics::FABRIC,
+    ]
+    .contains(&topic)
 }
 
 /// Gives the answer the time that the recorded one took: it is no part of what is compared.

@@ -68,6 +68,7 @@ impl Step {
             contact_network: has(&topics::CONTACT_NETWORK) || marked,
             grains: has(&topics::GRAINS) || marked,
             grain_motion: has(&topics::GRAIN_MOTION),
+            fabric: has(&topics::FABRIC),
         }
     }
 
