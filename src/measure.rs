@@ -10,5 +10,6 @@ pub mod grains;
 pub mod moduli;
 pub mod network;
 pub mod porosity;
+pub mod rearrangement;
 pub mod stress;
 pub mod walls;

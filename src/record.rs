@@ -318,5 +318,7 @@ fn demand(settings: &scene::Record) -> Demand {
     demand.moduli = settings.takes(&topics::MODULI);
     demand.contact_network = marked || settings.takes(&topics::CONTACT_NETWORK);
     demand.grains = marked || settings.takes(&topics::GRAINS);
+    demand.rearrangements = settings.takes(&topics::REARRANGEMENTS);
+    demand.snapshots = settings.takes(&topics::SNAPSHOTS);
     demand
 }

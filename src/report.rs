@@ -1,9 +1,13 @@
 //! What one increment says: the answers of the twin, in SI units, compression positive.
 
+mod rearrangement;
+
 use serde::Serialize;
 
 use crate::command::{Disposition, Stamp};
 use crate::wall;
+
+pub use rearrangement::{EventEnd, Rearrangement, Snapshot};
 
 /// Which measures somebody wants; what is not wanted is not computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -16,11 +20,32 @@ pub struct Demand {
     pub contact_network: bool,
     /// Every grain: [`Grains`].
     pub grains: bool,
+    /// What each event did: [`Rearrangement`].
+    pub rearrangements: bool,
+    /// All grains before and after each event: [`Snapshot`].
+    pub snapshots: bool,
 }
 
 impl Demand {
     /// Everything.
-    pub const ALL: Self = Self { state: true, moduli: true, contact_network: true, grains: true };
+    pub const ALL: Self = Self {
+        state: true,
+        moduli: true,
+        contact_network: true,
+        grains: true,
+        rearrangements: true,
+        snapshots: true,
+    };
+
+    /// Nothing but what every increment tells.
+    pub const NONE: Self = Self {
+        state: false,
+        moduli: false,
+        contact_network: false,
+        grains: false,
+        rearrangements: false,
+        snapshots: false,
+    };
 
     /// What this or the `other` wants.
     #[must_use]
@@ -30,6 +55,8 @@ impl Demand {
             moduli: self.moduli || other.moduli,
             contact_network: self.contact_network || other.contact_network,
             grains: self.grains || other.grains,
+            rearrangements: self.rearrangements || other.rearrangements,
+            snapshots: self.snapshots || other.snapshots,
         }
     }
 }
@@ -65,6 +92,10 @@ pub struct Measures {
     pub increment: u64,
     /// Sudden changes on the way to this equilibrium, in order.
     pub events: Vec<Event>,
+    /// The same events in full, where [`Demand::rearrangements`] was set.
+    pub rearrangements: Vec<Rearrangement>,
+    /// Two for each event, before and after, where [`Demand::snapshots`] was set.
+    pub snapshots: Vec<Snapshot>,
     /// Forces on the walls.
     pub walls: WallForces,
     /// Estimate of the largest error of a wall's normal force \[N\] against the exact equilibrium;
@@ -99,6 +130,8 @@ pub struct Event {
     pub stress_before: f64,
     /// The same at the equilibrium that followed \[Pa\].
     pub stress_after: f64,
+    /// Energy that the pack lost between the two, beyond what slip took \[J\].
+    pub energy_released: f64,
     /// Grains that carry load and went further than the mean overlap, in the order of the pack
     /// file.
     pub grains: Vec<u32>,
@@ -167,6 +200,8 @@ pub struct PackState {
     /// Energy lost since the start where the law forgets \[J\]: contacts that opened under shear,
     /// stiffnesses renewed under load (a gain when negative); part of `dissipated_energy`.
     pub renewal_energy: f64,
+    /// Energy that the events since the start released \[J\]; part of `dissipated_energy`.
+    pub event_energy: f64,
     /// Work of the walls since the start, trapezoidal over the equilibria \[J\].
     pub wall_work: f64,
     /// Energy lost in events and sliding since the start \[J\].

@@ -307,9 +307,16 @@ fn node() -> impl Strategy<Value = Node> {
 fn service() -> impl Strategy<Value = (Outputs, Node, Record)> {
     let when = prop::sample::select(vec![When::Always, When::OnDemand, When::Never]);
     let moduli = prop::sample::select(vec![ModuliKind::Secant, ModuliKind::None]);
-    let outputs = (when.clone(), when, moduli).prop_map(|(contact_network, markers, moduli)| {
-        Outputs { contact_network, markers, moduli }
-    });
+    let [network, marks, events] = [(); 3].map(|()| when.clone());
+    let outputs = (network, marks, moduli, events, when).prop_map(
+        |(contact_network, markers, moduli, rearrangements, snapshots)| Outputs {
+            contact_network,
+            markers,
+            moduli,
+            rearrangements,
+            snapshots,
+        },
+    );
     let kind = prop::sample::select(vec![Compression::Zstd, Compression::Lz4, Compression::None]);
     let record = ((1_u64 << 20)..=(1 << 30), kind).prop_map(|(chunk, compression)| Record {
         chunk,

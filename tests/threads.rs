@@ -170,6 +170,8 @@ fn twins_on_different_threads_agree_after_every_command_whatever_the_others_do()
         moduli: k != 3,
         state: k != 3,
         grains: k != 3,
+        rearrangements: k != 3,
+        snapshots: k != 3,
     };
     for (k, twin) in twins.iter_mut().enumerate() {
         twin.start(demand(k));

@@ -47,8 +47,7 @@ impl Variant {
 }
 
 /// Nothing but wall forces, which are always there.
-const NOTHING: Demand =
-    Demand { state: false, moduli: false, contact_network: false, grains: false };
+const NOTHING: Demand = Demand::NONE;
 
 /// Every variant; the first is the one with everything off.
 pub(crate) fn variants() -> Vec<Variant> {
@@ -86,7 +85,9 @@ pub(crate) fn variants() -> Vec<Variant> {
         asked("moduli", Demand { moduli: true, ..NOTHING }),
         asked("contact network", Demand { contact_network: true, ..NOTHING }),
         asked("grains", Demand { grains: true, ..NOTHING }),
-        asked("all three", Demand::ALL),
+        asked("rearrangements", Demand { rearrangements: true, ..NOTHING }),
+        asked("snapshots", Demand { snapshots: true, ..NOTHING }),
+        asked("all of them", Demand::ALL),
         heard("recording", "on", Listens::Recorder),
         heard("ROS 2 node", "nobody subscribed", Listens::Node),
         heard("ROS 2 node", "contact network subscribed", Listens::Subscriber),

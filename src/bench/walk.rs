@@ -13,7 +13,7 @@ use crate::scene::Method;
 use crate::twin::{Twin, TwinError};
 
 /// What a run without subscribers is asked for.
-const DEMAND: Demand = Demand { state: true, moduli: true, contact_network: false, grains: false };
+const DEMAND: Demand = Demand { state: true, moduli: true, ..Demand::NONE };
 
 /// What a walk came to; the lists have one entry an increment.
 #[derive(Debug)]

@@ -174,6 +174,8 @@ pub(super) fn ordered(outputs: Outputs, wanted: Demand) -> Demand {
         },
         contact_network: when(outputs.contact_network, wanted.contact_network),
         grains: when(outputs.markers, wanted.grains),
+        rearrangements: when(outputs.rearrangements, wanted.rearrangements),
+        snapshots: when(outputs.snapshots, wanted.snapshots),
     }
 }
 

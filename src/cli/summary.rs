@@ -214,7 +214,7 @@ impl Summary {
 
 impl Sink for &mut Summary {
     fn demand(&self) -> Demand {
-        Demand { state: true, moduli: true, contact_network: false, grains: false }
+        Demand { state: true, moduli: true, ..Demand::NONE }
     }
 
     fn served(&mut self, served: &Arc<Served>) {

@@ -13,8 +13,8 @@ use super::services::Services;
 use super::{NodeError, clock, mapping};
 use crate::msg::{
     BoundaryCommand, Clock, ContactNetwork, DiagnosticArray, Discrepancy, Event, JointState,
-    JointTrajectory, MarkerArray, Moduli, PackState, PointCloud2, Report, TFMessage, Topic,
-    WallForces, WallTargets, WrenchStamped, topics,
+    JointTrajectory, MarkerArray, Moduli, PackState, PointCloud2, Rearrangement, Report, TFMessage,
+    Topic, WallForces, WallTargets, WrenchStamped, topics,
 };
 use crate::{scene, wall};
 
@@ -34,6 +34,7 @@ pub(super) struct Endpoints {
     pub grains: Out<PointCloud2>,
     pub markers: Out<MarkerArray>,
     pub events: Out<Event>,
+    pub rearrangements: Out<Rearrangement>,
     pub report: Out<Report>,
     /// When load cells are mapped.
     pub discrepancy: Option<Out<Discrepancy>>,
@@ -123,6 +124,7 @@ impl Endpoints {
             grains: Out::new(&mut node, identity, &topics::GRAINS)?,
             markers: Out::new(&mut node, identity, &topics::MARKERS)?,
             events: Out::new(&mut node, identity, &topics::EVENTS)?,
+            rearrangements: Out::new(&mut node, identity, &topics::REARRANGEMENTS)?,
             report: Out::new(&mut node, identity, &topics::REPORT)?,
             discrepancy: cells
                 .map(|_| Out::new(&mut node, identity, &topics::DISCREPANCY))
@@ -151,6 +153,7 @@ impl Endpoints {
             self.grains.listeners(self),
             self.markers.listeners(self),
             self.events.listeners(self),
+            self.rearrangements.listeners(self),
             self.report.listeners(self),
         ]);
         all.extend(self.discrepancy.as_ref().map(|discrepancy| discrepancy.listeners(self)));

@@ -15,6 +15,7 @@ use super::discrepancy::Comparison;
 use super::endpoints::Endpoints;
 use super::frames::{Frame, Frames};
 use super::pictures::{Easel, Picture};
+use crate::msg::rearrangement::{self, LIVE_CONTACTS, LIVE_GRAINS, Rearrangement};
 use crate::msg::{
     Discrepancy, Event, JointState, Moduli, PackState, Report, TFMessage, WallForces,
     WrenchStamped, convert,
@@ -52,6 +53,7 @@ pub(super) enum Outgoing {
     Network(Frame),
     Picture(Picture, Arc<Served>),
     Event(Event),
+    Rearrangement(Rearrangement),
     Report(Report),
     Discrepancy(Discrepancy),
     /// Kept by the middleware for whoever comes later.
@@ -98,6 +100,8 @@ impl NodeSink {
             messages.extend(convert::pack_state(measures).map(Outgoing::State));
             messages.extend(convert::moduli(measures).map(Outgoing::Moduli));
             messages.extend(convert::events(measures).map(Outgoing::Event));
+            let chunks = rearrangement::chunks(measures, LIVE_GRAINS, LIVE_CONTACTS);
+            messages.extend(chunks.map(Outgoing::Rearrangement));
         }
         messages.push(Outgoing::Report(Report::from(&served.report)));
         self.counters.queued.fetch_add(messages.len() as u64, Ordering::Relaxed);
@@ -123,7 +127,7 @@ impl Sink for NodeSink {
             When::OnDemand => asked(listens),
             When::Never => false,
         };
-        let Outputs { contact_network, markers, .. } = self.outputs;
+        let Outputs { contact_network, markers, rearrangements, .. } = self.outputs;
         // The markers show the state and the contacts too.
         let marked =
             self.draws && when(markers, |endpoints| endpoints.markers.has_listener(endpoints));
@@ -136,6 +140,11 @@ impl Sink for NodeSink {
             contact_network: when(contact_network, |endpoints| {
                 endpoints.contact_network.has_listener(endpoints)
             }) || marked && contact_network != When::Never,
+            rearrangements: when(rearrangements, |endpoints| {
+                endpoints.rearrangements.has_listener(endpoints)
+            }),
+            // Recorded only.
+            snapshots: false,
         }
     }
 
@@ -230,6 +239,7 @@ impl Outbox {
             Outgoing::Picture(Picture::Grains, _) => endpoints.grains.has_listener(endpoints),
             Outgoing::Picture(Picture::Markers, _) => endpoints.markers.has_listener(endpoints),
             Outgoing::Event(_) => endpoints.events.has_listener(endpoints),
+            Outgoing::Rearrangement(_) => endpoints.rearrangements.has_listener(endpoints),
             Outgoing::Report(_) => endpoints.report.has_listener(endpoints),
             Outgoing::Discrepancy(_) => {
                 endpoints.discrepancy.as_ref().is_some_and(|out| out.has_listener(endpoints))
@@ -248,6 +258,7 @@ impl Outbox {
             Outgoing::State(message) => endpoints.state.publish(message).await,
             Outgoing::Moduli(message) => endpoints.moduli.publish(message).await,
             Outgoing::Event(message) => endpoints.events.publish(message).await,
+            Outgoing::Rearrangement(message) => endpoints.rearrangements.publish(message).await,
             Outgoing::Report(message) => endpoints.report.publish(message).await,
             Outgoing::Discrepancy(message) => match &endpoints.discrepancy {
                 Some(out) => out.publish(message).await,

@@ -36,4 +36,8 @@ pub struct Outputs {
     pub markers: When,
     /// Moduli.
     pub moduli: ModuliKind,
+    /// What each event did to grains and contacts.
+    pub rearrangements: When,
+    /// All grains before and after each event; recorded only.
+    pub snapshots: When,
 }

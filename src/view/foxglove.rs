@@ -180,6 +180,8 @@ impl Sink for LiveSink {
             moduli: true,
             contact_network: marked || asked(&topics::CONTACT_NETWORK),
             grains: marked || asked(&topics::GRAINS),
+            rearrangements: asked(&topics::REARRANGEMENTS),
+            snapshots: asked(&topics::SNAPSHOTS),
         }
     }
 

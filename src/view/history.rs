@@ -69,7 +69,9 @@ impl History {
         let measure = (self.decode(message).map(Measure::State))
             .or_else(|| self.decode(message).map(Measure::Walls))
             .or_else(|| self.decode(message).map(Measure::Moduli))
-            .or_else(|| self.decode(message).map(Measure::Network));
+            .or_else(|| self.decode(message).map(Measure::Network))
+            .or_else(|| self.decode(message).map(Measure::Event))
+            .or_else(|| self.decode(message).map(Measure::Rearrangement));
         let Some(measure) = measure else { return };
         if self.current.ends_before(&measure) {
             self.end_run();

@@ -1,6 +1,6 @@
 //! The measures of one run.
 
-use crate::msg::{ContactNetwork, Moduli, PackState, WallForces};
+use crate::msg::{ContactNetwork, Event, Moduli, PackState, Rearrangement, WallForces};
 
 /// The measures between two resets of the twin, in the order of the bag. A reset takes the pack
 /// back to the start and counts the increments from 0 again.
@@ -16,6 +16,10 @@ pub struct Run {
     pub networks: Option<[Forces; 2]>,
     /// What the contacts of each network carry together.
     pub loads: Vec<Load>,
+    /// Increments with events, each once.
+    pub eventful: Vec<u64>,
+    /// Energy that events released in these increments \[J\].
+    pub released: Vec<(u64, f64)>,
 }
 
 /// The contact forces of one equilibrium.
@@ -46,6 +50,8 @@ pub(super) enum Measure {
     Walls(WallForces),
     Moduli(Moduli),
     Network(ContactNetwork),
+    Event(Event),
+    Rearrangement(Rearrangement),
 }
 
 impl Run {
@@ -88,6 +94,8 @@ impl Run {
             Measure::Network(next) => {
                 (self.loads.last().map(|m| m.increment), next.increment, next.chunk > 0)
             }
+            // They come after the measures of their increment.
+            Measure::Event(_) | Measure::Rearrangement(_) => return false,
         };
         last.is_some_and(|last| next < last || (next == 0 && last == 0 && !goes_on))
     }
@@ -98,6 +106,8 @@ impl Run {
             Measure::Walls(walls) => self.walls.push(walls),
             Measure::Moduli(moduli) => self.moduli.push(moduli),
             Measure::Network(network) => self.add_network(network),
+            Measure::Event(event) => self.add_event(event.increment),
+            Measure::Rearrangement(event) => self.add_rearrangement(&event),
         }
     }
 
@@ -119,6 +129,24 @@ impl Run {
                 first.extend(&forces);
             }
             last.extend(&forces);
+        }
+    }
+
+    fn add_event(&mut self, increment: u64) {
+        if self.eventful.last() != Some(&increment) {
+            self.eventful.push(increment);
+        }
+    }
+
+    /// Every chunk tells the energies.
+    fn add_rearrangement(&mut self, event: &Rearrangement) {
+        if event.chunk > 0 {
+            return;
+        }
+        let energy = event.energy_before - event.energy_after;
+        match self.released.last_mut() {
+            Some((last, released)) if *last == event.increment => *released += energy,
+            _ => self.released.push((event.increment, energy)),
         }
     }
 
@@ -173,6 +201,24 @@ mod tests {
         let [first, last] = run.networks.unwrap_or_default();
         assert_eq!((first.normal, first.tangential), (vec![7.0; 2], vec![5.0, 2.0]));
         assert_eq!((last.normal, last.tangential), (vec![7.0], vec![0.0]));
+    }
+
+    #[test]
+    fn events_of_one_increment_are_marked_once_and_their_energies_added() {
+        let mut run = Run::default();
+        let event = |increment| Measure::Event(Event { increment, ..Event::default() });
+        let moved = |increment, chunk, energy_before| {
+            let event = Rearrangement { increment, chunk, energy_before, ..Default::default() };
+            Measure::Rearrangement(event)
+        };
+        for measure in [event(2), event(2), moved(2, 0, 3.0), moved(2, 1, 3.0), moved(2, 0, 0.5)] {
+            assert!(!run.ends_before(&measure));
+            run.add(measure);
+        }
+        run.add(event(7));
+        run.add(moved(7, 0, 2.0));
+        assert_eq!(run.eventful, [2, 7]);
+        assert_eq!(run.released, [(2, 3.5), (7, 2.0)]);
     }
 
     #[test]

@@ -108,5 +108,6 @@ fn expected_json(served: &[Arc<Served>]) -> String {
     topic("moduli", json(all().filter_map(convert::moduli)));
     topic("contact_network", json(all().filter_map(convert::whole_network)));
     topic("events", json(all().flat_map(convert::events)));
+    topic("rearrangements", json(all().flat_map(msg::rearrangement::whole)));
     serde_json::to_string(&topics).unwrap()
 }

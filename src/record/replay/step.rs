@@ -67,6 +67,8 @@ impl Step {
             moduli: has(&topics::MODULI),
             contact_network: has(&topics::CONTACT_NETWORK) || marked,
             grains: has(&topics::GRAINS) || marked,
+            rearrangements: has(&topics::REARRANGEMENTS),
+            snapshots: has(&topics::SNAPSHOTS),
         }
     }
 
