@@ -10,9 +10,9 @@ mod packs;
 #[path = "common/pairs.rs"]
 mod pairs;
 
-use graintwin::report::{EventEnd, Measures, Rearrangement, Snapshot};
+use graintwin::report::{Demand, EventEnd, Measures, Rearrangement, Snapshot};
 use hard::Hard;
-use packs::{Rig, close};
+use packs::{Rig, absolute, close, made, by_strain};
 use pairs::Pairs;
 
 /// The increments of `hard` that were served, the first equilibrium not among them.
@@ -37,7 +37,7 @@ fn unstable() -> [Hard; 5] {
         hard::near_jamming(300, 0.0, 2e4, 1e-3, 2),
         hard::decompression(150, 0.0),
         hard::constriction(0.0, 60),
-        hard::constriction(0.3, 12),
+        hard::constriction(0.3, 60),
     ]
 }
 
@@ -98,4 +98,80 @@ fn energy_and_stress_of_a_frictionless_event_are_those_of_its_snapshots() {
             }
         }
     }
+}
+
+/// Smooth paths: crystals, cycles of a dense pack, a pack with friction far beyond its first slip.
+fn smooth(friction: f64) -> [Hard; 4] {
+    [
+        hard::crystal(false, friction, 10),
+        hard::crystal(true, friction, 10),
+        hard::cycles(150, friction, 100),
+        hard::plain(200, friction),
+    ]
+}
+
+#[test]
+fn smooth_paths_raise_no_alarm() {
+    for friction in [0.0, 0.3] {
+        for hard in smooth(friction) {
+            let path = driven(&hard);
+            assert_eq!(path.len(), hard.path.len(), "{}", hard.name);
+            let events: usize = path.iter().map(|measures| measures.events.len()).sum();
+            assert_eq!(events, 0, "{}, friction {friction}", hard.name);
+        }
+    }
+}
+
+#[test]
+fn a_cycle_without_an_alarm_is_reversible() {
+    // Ten increments a cycle, without friction: had the pack jumped it would not come back.
+    let hard = hard::cycles(150, 0.0, 100);
+    let path = driven(&hard);
+    let ends: Vec<_> = path.chunks(10).map(|cycle| cycle[9].walls.normal_force).collect();
+    let largest = ends[0].iter().copied().fold(0.0, f64::max);
+    for end in &ends {
+        for (now, first) in end.iter().zip(ends[0]) {
+            assert!((now - first).abs() <= 1e-6 * largest, "{now:e} was {first:e}");
+        }
+    }
+}
+
+#[test]
+fn a_thousand_increments_of_a_pack_that_slips_raise_no_alarm() {
+    let pack = {
+        let mut pack = made(150, 1e7, 3);
+        pack.grains.iter_mut().for_each(|grain| grain.friction = 0.3);
+        pack
+    };
+    let mut scene = hard::plain(10, 0.3).scene;
+    scene.contact.torsion = true;
+    let (mut rig, _) = Rig::start(&scene, &pack);
+    let mut slips = 0;
+    for increment in 1..=1000 {
+        // Uniaxial loading and unloading between 0 and 4 promille of strain.
+        let strain = 4e-3 * (f64::from(increment) / 250.0).rem_euclid(2.0).min(1.0)
+            - 4e-3 * ((f64::from(increment) / 250.0).rem_euclid(2.0) - 1.0).max(0.0);
+        let measures = rig.go_quietly(by_strain(&pack.bounds, [0.0, 0.0, strain]));
+        assert!(measures.events.is_empty());
+        slips += measures.state.unwrap().slipped;
+    }
+    assert!(slips > 10_000, "only {slips} contacts slipped");
+}
+
+#[test]
+fn nothing_is_told_that_nobody_asked_for_and_asking_changes_nothing() {
+    let hard = hard::near_jamming(150, 0.0, 2e4, 1e-3, 3);
+    let (mut asked, _) = Rig::start(&hard.scene, &hard.pack);
+    let (mut silent, _) = Rig::start(&hard.scene, &hard.pack);
+    let mut events = 0;
+    for (target, sequence) in hard.path.iter().zip(1..) {
+        let told = asked.send(*target).measures.unwrap();
+        let report = silent.twin.apply(&absolute(sequence, *target), Demand::NONE);
+        let short = report.measures.unwrap();
+        assert_eq!(short.events, told.events);
+        assert_eq!((short.rearrangements.len(), short.snapshots.len()), (0, 0));
+        events += told.rearrangements.len();
+    }
+    assert!(events > 0, "the path had no event");
+    assert_eq!(asked.twin.digest(), silent.twin.digest());
 }
