@@ -18,7 +18,8 @@ use graintwin::msg::{
     BoundaryCommand, Circumstance, Clock, ContactNetwork, Described, DiagnosticArray,
     DiagnosticStatus, Discrepancy, Duration, Event, Header, JointState, JointTrajectory,
     JointTrajectoryPoint, KeyValue, Moduli, PackState, Quaternion, Rearrangement, Report, Snapshot,
-    TFMessage, Time, Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench, WrenchStamped,
+    TFMessage, Time, Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench,
+    WrenchStamped,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;

@@ -12,7 +12,7 @@ mod pairs;
 
 use graintwin::report::{Demand, EventEnd, Measures, Rearrangement, Snapshot};
 use hard::Hard;
-use packs::{Rig, absolute, close, made, by_strain};
+use packs::{Rig, absolute, by_strain, close, made};
 use pairs::Pairs;
 
 /// The increments of `hard` that were served, the first equilibrium not among them.

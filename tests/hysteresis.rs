@@ -42,7 +42,8 @@ fn drive(scene: &Scene, pack: &Pack, direction: [f64; 3], most: f64, parts: u32)
     let start = first.measures.unwrap();
     let mut last = start.clone();
     let mut around = Loop::default();
-    let strains = (0..=parts).chain((0..parts).rev()).map(|k| most * f64::from(k) / f64::from(parts));
+    let strains =
+        (0..=parts).chain((0..parts).rev()).map(|k| most * f64::from(k) / f64::from(parts));
     let strains: Vec<f64> = strains.collect();
     for step in strains.windows(2) {
         let target = by_strain(&pack.bounds, direction.map(|d| d * step[1]));

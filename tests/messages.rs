@@ -21,7 +21,8 @@ use graintwin::msg::{
     BoundaryCommand, Circumstance, Clock, ContactNetwork, Described, DiagnosticArray,
     DiagnosticStatus, Discrepancy, Duration, Event, Header, JointState, JointTrajectory,
     JointTrajectoryPoint, KeyValue, Moduli, PackState, Quaternion, Rearrangement, Report, Snapshot,
-    TFMessage, Time, Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench, WrenchStamped, topics,
+    TFMessage, Time, Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench,
+    WrenchStamped, topics,
 };
 use graintwin::report::{self, ContactState, EventEnd, EventKind, Measures};
 use graintwin::wall::{self, WallTarget};
@@ -377,7 +378,10 @@ fn live_chunks_together_are_the_whole_event() {
         assert_eq!((whole.len(), live.len()), (2, 2 * count as usize));
         for (number, whole) in whole.iter().enumerate() {
             assert_eq!((whole.event, whole.chunk, whole.chunk_count), (number as u32, 0, 1));
-            assert_eq!((whole.grains.len(), whole.rotation.len()), (grains as usize, 3 * grains as usize));
+            assert_eq!(
+                (whole.grains.len(), whole.rotation.len()),
+                (grains as usize, 3 * grains as usize)
+            );
             let mut joined = Rearrangement {
                 grains: Vec::new(),
                 displacement: Vec::new(),

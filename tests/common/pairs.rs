@@ -36,22 +36,23 @@ impl Pairs {
         let mut unbalanced = vec![Vec3::zeros(); at.len()];
         let (mut energy, mut force, mut virial) = (0.0, 0.0, 0.0);
         // Overlap, R* and 1/E* of a pair, its normal towards the first and its distance.
-        let mut add = |pair: [u32; 2], overlap: f64, radius: f64, compliance: f64, normal: Vec3, r: f64| {
-            if overlap <= 0.0 {
-                return;
-            }
-            // M = 4/3 E* √R* (T 2.2)
-            let modulus = 4.0 / 3.0 / compliance * radius.sqrt();
-            let normal_force = modulus * overlap.powf(1.5);
-            touching.push((pair, overlap));
-            energy += 0.4 * modulus * overlap.powf(2.5);
-            force += normal_force;
-            virial += normal_force * r;
-            unbalanced[pair[0] as usize] += normal * normal_force;
-            if let Some(second) = unbalanced.get_mut(pair[1] as usize) {
-                *second -= normal * normal_force;
-            }
-        };
+        let mut add =
+            |pair: [u32; 2], overlap: f64, radius: f64, compliance: f64, normal: Vec3, r: f64| {
+                if overlap <= 0.0 {
+                    return;
+                }
+                // M = 4/3 E* √R* (T 2.2)
+                let modulus = 4.0 / 3.0 / compliance * radius.sqrt();
+                let normal_force = modulus * overlap.powf(1.5);
+                touching.push((pair, overlap));
+                energy += 0.4 * modulus * overlap.powf(2.5);
+                force += normal_force;
+                virial += normal_force * r;
+                unbalanced[pair[0] as usize] += normal * normal_force;
+                if let Some(second) = unbalanced.get_mut(pair[1] as usize) {
+                    *second -= normal * normal_force;
+                }
+            };
         for (i, one) in grains.iter().enumerate() {
             for (j, other) in grains.iter().enumerate().skip(i + 1) {
                 let branch = at[i] - at[j];
