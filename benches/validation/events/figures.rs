@@ -20,7 +20,8 @@ pub(super) fn loading(seeds: &[Seed]) -> Sheet {
     all.push(marks("events of the first", course.points.iter(), mean_stress));
     let at = course.furthest();
     let near = &course.points[at.saturating_sub(NEAR)..(at + NEAR).min(course.points.len())];
-    let mut zoom = vec![Series::new(0, &format!("seed {}", seeds[0].seed), near.iter().map(mean_stress))];
+    let mut zoom =
+        vec![Series::new(0, &format!("seed {}", seeds[0].seed), near.iter().map(mean_stress))];
     zoom.push(marks("events", near.iter(), mean_stress));
     let four = course.points[at - 2..=at + 1].iter().map(mean_stress);
     let ring = Stroke { color: "#e69f00", width: 3.4, pattern: Pattern::Dots };
@@ -88,7 +89,10 @@ pub(super) fn hysteresis(seed: &Seed) -> Sheet {
                 x: Axis::count("increment"),
                 y: Axis::linear("energy", Unit::Si("J")),
                 series: vec![
-                    Series { stroke, ..Series::new(1, "work of the walls less what is stored", lost) },
+                    Series {
+                        stroke,
+                        ..Series::new(1, "work of the walls less what is stored", lost)
+                    },
                     Series::new(0, "released in events", released),
                 ],
                 notes: vec![format!(

@@ -61,9 +61,10 @@ fn counts(course: &Course) -> String {
 /// How two configurations differ.
 fn apart(course: &Course, before: &Point, after: &Point) -> String {
     let mean = course.radius.iter().sum::<f64>() / course.radius.len() as f64;
-    let ways = before.positions().iter().zip(after.positions()).map(|(from, to)| {
-        from.iter().zip(to).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
-    });
+    let ways =
+        before.positions().iter().zip(after.positions()).map(|(from, to)| {
+            from.iter().zip(to).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+        });
     let [was, is] = [before, after].map(|point| contacts(point, 0.0));
     let [strong, stronger] = [before, after].map(|point| contacts(point, 0.9));
     let common = strong.intersection(&stronger).count() as f64;

@@ -34,3 +34,24 @@ pub(super) fn released(run: &Run, strain: &Strain) -> Option<Series> {
     let series = Series::new(3, "released in events", run.states.iter().map(point));
     (!run.released.is_empty()).then_some(series)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_events_released_adds_up_and_stays() {
+        let state = |increment| PackState { increment, ..PackState::default() };
+        let run = Run {
+            states: [0, 1, 2, 4].map(state).to_vec(),
+            // The state of increment 3 was not recorded.
+            released: vec![(1, 2.0), (3, 0.5)],
+            ..Run::default()
+        };
+        let strain = Strain::of(&run);
+        let series = released(&run, &strain).unwrap();
+        assert_eq!(series.points, [[0.0, 0.0], [1.0, 2.0], [2.0, 2.0], [4.0, 2.5]]);
+        assert!(released(&Run::default(), &strain).is_none());
+        assert!(marks(&Run::default(), &strain).is_none());
+    }
+}
