@@ -12,5 +12,6 @@ pub mod moduli;
 pub mod motion;
 pub mod network;
 pub mod porosity;
+pub mod rearrangement;
 pub mod stress;
 pub mod walls;

@@ -18,6 +18,7 @@ pub mod fields;
 pub mod graintwin;
 pub mod picture;
 pub mod rcl;
+pub mod rearrangement;
 pub mod schema;
 pub mod services;
 pub mod standard;
@@ -30,6 +31,7 @@ pub use graintwin::{
     PackState, Report, WallForces, WallTargets,
 };
 pub use picture::{Marker, MarkerArray, PointCloud2};
+pub use rearrangement::{Rearrangement, Snapshot};
 pub use schema::{Described, MessageType};
 pub use standard::{
     Clock, Duration, Header, JointState, JointTrajectory, JointTrajectoryPoint, Time, Vector3,

@@ -239,7 +239,7 @@ impl Workspace {
         let single = heap::bytes(&self.shift) + heap::bytes(&self.first_shift);
         let steps = [&self.step, &self.turn, &self.first_step, &self.first_turn];
         let trials = [&self.trial, &self.trial_rotation, &self.velocity];
-        let jumps = self.jumps.iter().map(|jump| heap::bytes(&jump.grains)).sum::<usize>();
+        let jumps = self.jumps.iter().map(Jump::heap_bytes).sum::<usize>();
         self.neighbours.heap_bytes()
             + self.balance.heap_bytes()
             + self.trial_balance.heap_bytes()

@@ -4,6 +4,8 @@ mod motion;
 
 mod fabric;
 
+mod rearrangement;
+
 use serde::Serialize;
 
 use crate::command::{Disposition, Stamp};
@@ -11,6 +13,8 @@ use crate::wall;
 pub use motion::{Band, GrainMotion, Localisation};
 
 pub use fabric::{AngularForm, ByAngle, Chains, Directions, Fabric};
+
+pub use rearrangement::{EventEnd, Rearrangement, Snapshot};
 
 /// Which measures somebody wants; what is not wanted is not computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -27,6 +31,10 @@ pub struct Demand {
     pub grain_motion: bool,
     /// Statistics of the force network: [`Fabric`].
     pub fabric: bool,
+    /// What each event did: [`Rearrangement`].
+    pub rearrangements: bool,
+    /// All grains before and after each event: [`Snapshot`].
+    pub snapshots: bool,
 }
 
 impl Demand {
@@ -38,9 +46,11 @@ impl Demand {
         grains: true,
         grain_motion: true,
         fabric: true,
+        rearrangements: true,
+        snapshots: true,
     };
 
-    /// Nothing but wall forces, which are always there.
+    /// Nothing but what every increment tells.
     pub const NONE: Self = Self {
         state: false,
         moduli: false,
@@ -48,6 +58,8 @@ impl Demand {
         grains: false,
         grain_motion: false,
         fabric: false,
+        rearrangements: false,
+        snapshots: false,
     };
 
     /// What this or the `other` wants.
@@ -60,6 +72,8 @@ impl Demand {
             grains: self.grains || other.grains,
             grain_motion: self.grain_motion || other.grain_motion,
             fabric: self.fabric || other.fabric,
+            rearrangements: self.rearrangements || other.rearrangements,
+            snapshots: self.snapshots || other.snapshots,
         }
     }
 }
@@ -95,6 +109,10 @@ pub struct Measures {
     pub increment: u64,
     /// Sudden changes on the way to this equilibrium, in order.
     pub events: Vec<Event>,
+    /// The same events in full, where [`Demand::rearrangements`] was set.
+    pub rearrangements: Vec<Rearrangement>,
+    /// Two for each event, before and after, where [`Demand::snapshots`] was set.
+    pub snapshots: Vec<Snapshot>,
     /// Forces on the walls.
     pub walls: WallForces,
     /// Estimate of the largest error of a wall's normal force \[N\] against the exact equilibrium;
@@ -134,6 +152,8 @@ pub struct Event {
     pub stress_before: f64,
     /// The same at the equilibrium that followed \[Pa\].
     pub stress_after: f64,
+    /// Energy that the pack lost between the two, beyond what slip took \[J\].
+    pub energy_released: f64,
     /// Grains that carry load and went further than the mean overlap, in the order of the pack
     /// file.
     pub grains: Vec<u32>,
@@ -202,6 +222,8 @@ pub struct PackState {
     /// Energy lost since the start where the law forgets \[J\]: contacts that opened under shear,
     /// stiffnesses renewed under load (a gain when negative); part of `dissipated_energy`.
     pub renewal_energy: f64,
+    /// Energy that the events since the start released \[J\]; part of `dissipated_energy`.
+    pub event_energy: f64,
     /// Work of the walls since the start, trapezoidal over the equilibria \[J\].
     pub wall_work: f64,
     /// Energy lost in events and sliding since the start \[J\].

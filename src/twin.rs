@@ -12,15 +12,15 @@ use crate::command::gate::{Decision, Gate, Order, join};
 use crate::command::{Command, Disposition, Stamp};
 use crate::measure::contacts::Contacts;
 use crate::measure::coordination::{self, Histograms};
-use crate::measure::{fabric, grains, moduli, motion, network, porosity, stress, walls};
+use crate::measure::{
+    fabric, grains, moduli, motion, network, porosity, rearrangement, stress, walls,
+};
 use crate::model::{Model, sphere_volume};
 use crate::pack::{Grain, History, Pack};
 use crate::relax::advance::Advance;
 use crate::relax::jump::Jump;
 use crate::relax::{Effort, Outcome, Status, Workspace, accuracy, relax};
-use crate::report::{
-    Demand, Event, EventKind, Fabric, GrainMotion, Measures, Moduli, PackState, Report,
-};
+use crate::report::{Demand, Fabric, GrainMotion, Measures, Moduli, PackState, Report};
 use crate::scene::{Method, Scene, When};
 use crate::state::State;
 use crate::wall::{self, Setpoint, WallTarget};
@@ -61,6 +61,8 @@ pub struct Twin {
     outcome: Outcome,
     /// Normal stress \[Pa\] and engineering strain at the last equilibrium.
     stress_strain: ([f64; 3], [f64; 3]),
+    /// Energy that events released since the initial equilibrium \[J\].
+    event_energy: f64,
     /// The history of the pack as it was given.
     given_history: Option<History>,
     /// The work done before the last reset.
@@ -107,6 +109,7 @@ impl Twin {
             increment: 0,
             outcome: Outcome::NONE,
             stress_strain: ([0.0; 3], [0.0; 3]),
+            event_energy: 0.0,
             given_history: pack.history.clone().filter(|_| model.friction.is_some()),
             spent: Effort::default(),
             targets: scene.walls.targets.in_order(),
@@ -210,6 +213,7 @@ impl Twin {
             return Err(self.explain(&reached.outcome, reached.crept));
         }
         self.outcome = reached.outcome;
+        self.event_energy += released(&reached);
         self.gate.begun(setpoint, self.state.displacement);
         Ok(reached)
     }
@@ -269,6 +273,7 @@ impl Twin {
             return report;
         }
         self.outcome = reached.outcome;
+        self.event_energy += released(&reached);
         self.increment += 1;
         self.past.iter_mut().for_each(Past::arrive);
         report.increment = self.increment;
@@ -378,6 +383,7 @@ impl Twin {
                 shear_energy: friction.stored,
                 slip_energy: friction.slip,
                 renewal_energy: friction.renewal,
+                event_energy: self.event_energy,
                 wall_work: state.wall_work,
                 dissipated_energy: state.wall_work - (stored_energy - state.initial_energy),
                 contacts: contacts.counted().count() as u32,
@@ -388,10 +394,17 @@ impl Twin {
                 converged: true,
             }
         });
+        let jumps = &reached.jumps;
         Measures {
             stamp,
             increment: self.increment,
-            events: reached.jumps.iter().map(|jump| event(&self.model, jump)).collect(),
+            events: jumps.iter().map(|jump| rearrangement::event(&self.model, jump)).collect(),
+            rearrangements: (jumps.iter().filter(|_| demand.rearrangements))
+                .map(|jump| rearrangement::rearrangement(&self.model, jump))
+                .collect(),
+            snapshots: (jumps.iter().zip(0..).filter(|_| demand.snapshots))
+                .flat_map(|(jump, event)| rearrangement::snapshots(&self.model, jump, event))
+                .collect(),
             walls: wall_forces,
             wall_force_error: reached.wall_force_error,
             state,
@@ -500,6 +513,11 @@ fn repeat(report: Report, last: Option<Report>) -> Report {
 const LOADS_NEED_NEWTON: &str = "walls under loads need solver.method newton";
 const UNJAMMED: &str = "no grain carries load";
 
+/// Energy that the events of an increment released \[J\].
+fn released(reached: &Advance) -> f64 {
+    reached.jumps.iter().map(Jump::released).sum()
+}
+
 /// One sentence about a jump.
 fn tell(jump: &Jump) -> String {
     let grains = match jump.grains.len() {
@@ -510,21 +528,6 @@ fn tell(jump: &Jump) -> String {
         "unstable on the way: {grains} jumped, confining stress from {:.4e} to {:.4e} Pa",
         jump.stress_before, jump.stress_after
     )
-}
-
-/// The jump with the grains as the pack file counts them.
-fn event(model: &Model, jump: &Jump) -> Event {
-    let named = |&(grain, moved): &(u32, f64)| (model.order[grain as usize], moved);
-    let mut grains: Vec<(u32, f64)> = jump.grains.iter().map(named).collect();
-    grains.sort_unstable_by_key(|&(grain, _)| grain);
-    let (grains, displacement) = grains.into_iter().unzip();
-    Event {
-        kind: EventKind::StressDrop,
-        stress_before: jump.stress_before,
-        stress_after: jump.stress_after,
-        grains,
-        displacement,
-    }
 }
 
 fn row_major(m: &nalgebra::Matrix3<f64>) -> [f64; 9] {

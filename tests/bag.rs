@@ -232,6 +232,49 @@ fn expected_measures(measures: &Measures) -> Vec<Value> {
             ),
         ));
     }
+    for (number, event) in measures.rearrangements.iter().enumerate() {
+        let bodies = |pairs: &[[u32; 2]], body: usize| {
+            pairs.iter().map(|pair| pair[body]).collect::<Vec<_>>()
+        };
+        messages.push(message(
+            "rearrangements",
+            &merged(
+                common("pack"),
+                json!({
+                    "event": number,
+                    "chunk": 0,
+                    "chunk_count": 1,
+                    "kind": 0,
+                    "stress_before": event.stress_before,
+                    "stress_after": event.stress_after,
+                    "energy_before": event.energy_before,
+                    "energy_after": event.energy_after,
+                    "grains": event.grains,
+                    "displacement": event.displacement.as_flattened(),
+                    "rotation": event.rotation.as_flattened(),
+                    "lost_first": bodies(&event.lost, 0),
+                    "lost_second": bodies(&event.lost, 1),
+                    "made_first": bodies(&event.made, 0),
+                    "made_second": bodies(&event.made, 1),
+                }),
+            ),
+        ));
+    }
+    for snapshot in &measures.snapshots {
+        messages.push(message(
+            "snapshots",
+            &merged(
+                common("pack"),
+                json!({
+                    "event": snapshot.event,
+                    "when": snapshot.end as u8,
+                    "wall_position": snapshot.wall_position,
+                    "position": snapshot.position.as_flattened(),
+                    "rotation": snapshot.rotation.as_flattened(),
+                }),
+            ),
+        ));
+    }
     messages
 }
 
@@ -322,7 +365,9 @@ fn two_independent_readers_find_every_field_of_every_message() {
             "/graintwin/measured_wrench/z_max",
             "/graintwin/measured_wrench/z_min",
             "/graintwin/moduli",
+            "/graintwin/rearrangements",
             "/graintwin/report",
+            "/graintwin/snapshots",
             "/graintwin/state",
             "/graintwin/wall/x_max/wrench",
             "/graintwin/wall/x_min/wrench",

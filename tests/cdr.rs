@@ -17,9 +17,9 @@ use graintwin::msg::picture::{
 use graintwin::msg::{
     BoundaryCommand, Circumstance, Clock, ContactNetwork, Described, DiagnosticArray,
     DiagnosticStatus, Discrepancy, Duration, Event, Fabric, GrainMotion, Header, JointState,
-    JointTrajectory, JointTrajectoryPoint, KeyValue, Moduli, PackState, Quaternion, Report,
-    TFMessage, Time, Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench,
-    WrenchStamped,
+    JointTrajectory, JointTrajectoryPoint, KeyValue, Moduli, PackState, Quaternion, Rearrangement,
+    Report, Snapshot, TFMessage, Time, Transform, TransformStamped, Vector3, WallForces,
+    WallTargets, Wrench, WrenchStamped,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -374,6 +374,36 @@ fn bytes_hashes_and_definitions_are_those_of_an_independent_implementation() {
     exchange.add(Event::default());
     exchange.add(fabric());
     exchange.add(Fabric::default());
+    exchange.add(Rearrangement {
+        header: header("pack"),
+        increment: 2,
+        event: 1,
+        chunk: 0,
+        chunk_count: 1,
+        kind: 0,
+        stress_before: 2.0,
+        stress_after: 1.0,
+        energy_before: 1e-9,
+        energy_after: -1e-9,
+        grains: vec![5, 6],
+        displacement: vec![1e-3, 2e-3, -3e-3, 0.0, 5e-324, 1.0],
+        rotation: vec![0.5],
+        lost_first: vec![5],
+        lost_second: vec![u32::MAX],
+        made_first: Vec::new(),
+        made_second: vec![1, 2, 3],
+    });
+    exchange.add(Rearrangement::default());
+    exchange.add(Snapshot {
+        header: header("pack"),
+        increment: 2,
+        event: 1,
+        when: 1,
+        wall_position: [-1.0, 1.0, -2.0, 2.0, -3.0, 3.0],
+        position: vec![0.25, -0.5, 1e300],
+        rotation: Vec::new(),
+    });
+    exchange.add(Snapshot::default());
     exchange.add(joint_state());
     exchange.add(JointState::default());
     exchange.add(joint_trajectory());

@@ -307,17 +307,21 @@ fn node() -> impl Strategy<Value = Node> {
 fn service() -> impl Strategy<Value = (Outputs, Node, Record)> {
     let when = prop::sample::select(vec![When::Always, When::OnDemand, When::Never]);
     let moduli = prop::sample::select(vec![ModuliKind::Secant, ModuliKind::None]);
-    let outputs = (when.clone(), when.clone(), when.clone(), moduli, when, 1e-9..1.0);
-    let outputs = outputs.prop_map(
-        |(contact_network, markers, grain_motion, moduli, fabric, chain_share)| Outputs {
+    let measures = (when.clone(), when.clone(), when.clone(), when.clone());
+    let outputs = (when.clone(), when, moduli, measures, 1e-9..1.0);
+    let outputs = outputs.prop_map(|(contact_network, markers, moduli, measures, chain_share)| {
+        let (grain_motion, fabric, rearrangements, snapshots) = measures;
+        Outputs {
             contact_network,
             markers,
             grain_motion,
             moduli,
             fabric,
             chain_share,
-        },
-    );
+            rearrangements,
+            snapshots,
+        }
+    });
     let kind = prop::sample::select(vec![Compression::Zstd, Compression::Lz4, Compression::None]);
     let record = ((1_u64 << 20)..=(1 << 30), kind).prop_map(|(chunk, compression)| Record {
         chunk,

@@ -87,6 +87,8 @@ pub(crate) fn variants() -> Vec<Variant> {
         asked("grains", Demand { grains: true, ..NOTHING }),
         asked("motion of the grains", Demand { grain_motion: true, ..NOTHING }),
         asked("force network statistics", Demand { fabric: true, ..NOTHING }),
+        asked("rearrangements", Demand { rearrangements: true, ..NOTHING }),
+        asked("snapshots", Demand { snapshots: true, ..NOTHING }),
         asked("all of them", Demand::ALL),
         heard("recording", "on", Listens::Recorder),
         heard("ROS 2 node", "nobody subscribed", Listens::Node),

@@ -79,7 +79,7 @@ pub(crate) fn tally(packs: u64, friction: f64) -> [Tally; 3] {
 }
 
 /// A small pack on its way.
-struct Case {
+pub(crate) struct Case {
     model: Model,
     state: State,
     work: Workspace,
@@ -87,20 +87,23 @@ struct Case {
 }
 
 /// What one increment came to.
-struct Seen {
+pub(crate) struct Seen {
     share: f64,
     /// Whether the solver followed the flow.
     followed: bool,
     /// Whether it reported an event.
-    event: bool,
+    pub(crate) event: bool,
+    /// Whether the reference saw one: a dip of the force, and then a grain that carries load and
+    /// went further than the mean overlap.
+    pub(crate) dipped: bool,
     /// Whether it ended where the reference did; `None` when it found no equilibrium.
-    same: Option<bool>,
+    pub(crate) same: Option<bool>,
     /// Wall forces over the mean, and positions over the mean overlap, apart.
     apart: (f64, f64),
 }
 
 impl Case {
-    fn new(seed: u64, k: u64, stress: f64, friction: f64) -> Option<Self> {
+    pub(crate) fn new(seed: u64, k: u64, stress: f64, friction: f64) -> Option<Self> {
         let mut rng = Pcg64::seed_from_u64(10 * seed + k);
         let recipe = recipe(rng.random_range(20..=60usize), stress, seed);
         let mut pack = generate(&recipe, &GLASS, &Walls::default(), 0.0, Solver::default()).ok()?;
@@ -121,9 +124,14 @@ impl Case {
 
     /// One random increment; `None` where the reference takes too long.
     fn increment(&mut self) -> Option<Seen> {
-        let Self { model, state, work, rng } = self;
-        let share = SHARES[rng.random_range(0..SHARES.len())];
-        let direction: [f64; 3] = std::array::from_fn(|_| 2.0 * rng.random::<f64>() - 1.0);
+        let share = SHARES[self.rng.random_range(0..SHARES.len())];
+        let direction = std::array::from_fn(|_| 2.0 * self.rng.random::<f64>() - 1.0);
+        self.strain(share, direction)
+    }
+
+    /// One increment whose largest strain is `share` of the mean overlap strain; `None` as above.
+    pub(crate) fn strain(&mut self, share: f64, direction: [f64; 3]) -> Option<Seen> {
+        let Self { model, state, work, .. } = self;
         let longest = direction.iter().map(|d| d.abs()).fold(0.0, f64::max);
         let overlap = work.balance.sums.mean_overlap();
         let strain = share * overlap / (2.0 * model.mean_radius) / longest;
@@ -134,18 +142,23 @@ impl Case {
         work.begin(model, state);
         move_walls(model, state, &target, 1.0);
         let mut wanted = state.clone();
-        reference::follow(model, &mut wanted, work)?;
+        let dip = reference::follow(model, &mut wanted, work)?;
+        let far = work.balance.sums.mean_overlap();
         work.jumps.clear();
         let outcome = relax(model, state, work);
         let (followed, event) = (outcome.descents > 0, !work.jumps.is_empty());
+        let dipped = dip.is_some_and(|dip| {
+            let mut moved = wanted.position.iter().zip(&dip).zip(&state.carries);
+            moved.any(|((to, from), &carries)| carries && (to - from).norm() > far)
+        });
         if !outcome.status.is_equilibrium() {
-            return Some(Seen { share, followed, event, same: None, apart: (0.0, 0.0) });
+            return Some(Seen { share, followed, event, dipped, same: None, apart: (0.0, 0.0) });
         }
         let apart = apart(model, state, &mut wanted, work, overlap);
         work.evaluate(model, state, &state.bounds(model));
         work.commit(model, state);
         let same = Some(apart.0 <= FORCE && apart.1 <= APART);
-        Some(Seen { share, followed, event, same, apart })
+        Some(Seen { share, followed, event, dipped, same, apart })
     }
 }
 

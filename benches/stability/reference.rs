@@ -18,8 +18,38 @@ const MOST_STAGES: usize = 250;
 /// Evaluations of the forces at most.
 const MOST_EVALUATIONS: u64 = 1_000_000;
 
+/// The unbalanced force that passed a dip has grown to this many times its least.
+const GROWTH: f64 = 1.5;
+
+/// Where the unbalanced force of all grains was least before it grew again.
+#[derive(Default)]
+struct Dip {
+    least: f64,
+    positions: Option<Vec<Vec3>>,
+    passed: bool,
+}
+
+impl Dip {
+    fn see(&mut self, positions: &[Vec3], force: &[Vec3]) {
+        let now = force.iter().map(Vec3::norm_squared).sum::<f64>().sqrt();
+        if self.passed {
+        } else if self.positions.is_none() || now < self.least {
+            (self.least, self.positions) = (now, Some(positions.to_vec()));
+        } else {
+            self.passed = now > GROWTH * self.least;
+        }
+    }
+}
+
 /// Follows the flow from `state` to its end, all grains taking part; `None` where it takes too long.
-pub(crate) fn follow(model: &Model, state: &mut State, work: &mut Workspace) -> Option<u64> {
+/// Returns where the grains were in the first dip of the unbalanced force, if it had any.
+#[expect(clippy::option_option, reason = "no end, or an end without a dip")]
+pub(crate) fn follow(
+    model: &Model,
+    state: &mut State,
+    work: &mut Workspace,
+) -> Option<Option<Vec<Vec3>>> {
+    let mut dip = Dip::default();
     state.carries.fill(true);
     let n = model.len();
     let begin = work.effort().gradients;
@@ -28,10 +58,11 @@ pub(crate) fn follow(model: &Model, state: &mut State, work: &mut Workspace) -> 
     let mut h = 0.1;
     while work.effort().gradients - begin < MOST_EVALUATIONS {
         let sums = work.balance.sums;
+        dip.see(&y[..n], &f);
         let largest = f.iter().map(Vec3::norm).fold(0.0, f64::max) * work.reference_stiffness;
         if largest <= RESIDUAL * sums.mean_force() || sums.mean_force() < model.negligible_force() {
             scatter(model, state, &y);
-            return Some(work.effort().gradients - begin);
+            return Some(dip.positions.filter(|_| dip.passed));
         }
         let overlap = sums.mean_overlap();
         let radius = spectral_radius(work, n);

@@ -3,10 +3,11 @@
 //!
 //! Writes the figures of `docs/validation.md` into `docs/images` and prints its tables. Seeds as
 //! arguments take the place of the default ones: `-- 4 5`, and names of parts select them:
-//! `-- network` (the force network), `-- moduli`. One thread; takes minutes.
+//! `-- network` (the force network), `-- events`, `-- moduli`. One thread; takes minutes.
 #![allow(clippy::print_stdout, clippy::expect_used)] // A bench prints, and ends when a step fails.
 
 mod curve;
+mod events;
 mod figures;
 mod intervals;
 mod network;
@@ -15,7 +16,7 @@ mod specimen;
 mod tables;
 mod theory;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use graintwin::view::Sheet;
 use network::Networks;
@@ -25,7 +26,7 @@ use runs::Sample;
 const SEEDS: [u64; 3] = [1, 2, 3];
 
 /// Parts that can be selected.
-const PARTS: [&str; 2] = ["moduli", "network"];
+const PARTS: [&str; 3] = ["moduli", "network", "events"];
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -46,13 +47,20 @@ fn main() {
         network::print(&networks);
         draw(network::sheets(&networks));
     }
+    if selected("events") {
+        pool.install(|| events::run(&seeds, &images()));
+    }
+}
+
+/// Where the figures of the documentation are.
+fn images() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/images")
 }
 
 fn draw(sheets: Vec<(&str, Sheet)>) {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/images");
     println!();
     for (name, sheet) in sheets {
-        let file = folder.join(name).with_extension("svg");
+        let file = images().join(name).with_extension("svg");
         std::fs::write(&file, sheet.to_svg()).expect("docs/images is part of the repository");
         println!("docs/images/{name}.svg");
     }

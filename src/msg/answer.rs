@@ -6,6 +6,7 @@
 use super::cdr::{self, CdrError};
 use super::convert::{self, CommandMessage};
 use super::rcl::{Log, ParameterEvent};
+use super::rearrangement::{self, Rearrangement, Snapshot};
 use super::topics::{self, Topic};
 use super::{
     BoundaryCommand, Circumstance, ContactNetwork, Described, DiagnosticArray, Discrepancy, Event,
@@ -101,6 +102,14 @@ fn each_measure<E>(
     for event in convert::events(measures) {
         give(&topics::EVENTS, &event)?;
     }
+    for event in rearrangement::whole(measures) {
+        give(&topics::REARRANGEMENTS, &event)?;
+    }
+    if wants(&topics::SNAPSHOTS) {
+        for snapshot in rearrangement::snapshots(measures) {
+            give(&topics::SNAPSHOTS, &snapshot)?;
+        }
+    }
     Ok(())
 }
 
@@ -164,6 +173,7 @@ macro_rules! outgoing {
 outgoing!(header of BoundaryCommand, WallTargets, Circumstance, Report, WallForces, WrenchStamped,
     JointState, JointTrajectory, PackState, Moduli, ContactNetwork, GrainMotion, Event, Discrepancy, Fabric,
     DiagnosticArray, PointCloud2);
+outgoing!(header of Rearrangement, Snapshot);
 outgoing!(Log: |message| message.stamp.into(), ParameterEvent: |message| message.stamp.into());
 outgoing!(TFMessage: |message| {
     message.transforms.first().map(|first| first.header.stamp.into()).unwrap_or_default()

@@ -292,7 +292,7 @@ pub fn network_chunks(
     })
 }
 
-fn pack_header(stamp: Stamp) -> Header {
+pub(super) fn pack_header(stamp: Stamp) -> Header {
     Header { stamp: stamp.into(), frame_id: PACK_FRAME.to_owned() }
 }
 

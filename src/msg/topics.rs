@@ -1,6 +1,7 @@
 //! The topics of the node and of its recordings: name, type and quality of service.
 
 use super::rcl::{Log, ParameterEvent};
+use super::rearrangement::{Rearrangement, Snapshot};
 use super::schema::{Described, MessageType};
 use super::{
     BoundaryCommand, Circumstance, ContactNetwork, DiagnosticArray, Discrepancy, Event, Fabric,
@@ -144,6 +145,10 @@ pub static FABRIC: Topic = Topic::new("fabric", Fabric::TYPE, 64);
 
 /// Out: [`Event`], one message an event.
 pub static EVENTS: Topic = Topic::new("events", Event::TYPE, 64);
+/// Out: [`Rearrangement`], one message an event, or its chunks.
+pub static REARRANGEMENTS: Topic = Topic::new("rearrangements", Rearrangement::TYPE, 64);
+/// Recorded only: [`Snapshot`], two an event.
+pub static SNAPSHOTS: Topic = Topic::new("snapshots", Snapshot::TYPE, 64);
 
 /// In: [`WrenchStamped`] of the real rig's load cells, one topic a wall.
 pub static MEASURED_WRENCH: [Topic; wall::COUNT] = [
@@ -177,6 +182,8 @@ pub fn measures() -> impl Iterator<Item = &'static Topic> {
         &GRAIN_MOTION,
         &FABRIC,
         &EVENTS,
+        &REARRANGEMENTS,
+        &SNAPSHOTS,
         &GRAINS,
         &MARKERS,
         &TF_STATIC,

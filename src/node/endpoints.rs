@@ -13,8 +13,8 @@ use super::services::Services;
 use super::{NodeError, clock, mapping};
 use crate::msg::{
     BoundaryCommand, Clock, ContactNetwork, DiagnosticArray, Discrepancy, Event, Fabric,
-    GrainMotion, JointState, JointTrajectory, MarkerArray, Moduli, PackState, PointCloud2, Report,
-    TFMessage, Topic, WallForces, WallTargets, WrenchStamped, topics,
+    GrainMotion, JointState, JointTrajectory, MarkerArray, Moduli, PackState, PointCloud2,
+    Rearrangement, Report, TFMessage, Topic, WallForces, WallTargets, WrenchStamped, topics,
 };
 use crate::{scene, wall};
 
@@ -36,6 +36,7 @@ pub(super) struct Endpoints {
     pub markers: Out<MarkerArray>,
     pub events: Out<Event>,
     pub fabric: Out<Fabric>,
+    pub rearrangements: Out<Rearrangement>,
     pub report: Out<Report>,
     /// When load cells are mapped.
     pub discrepancy: Option<Out<Discrepancy>>,
@@ -127,6 +128,7 @@ impl Endpoints {
             markers: Out::new(&mut node, identity, &topics::MARKERS)?,
             events: Out::new(&mut node, identity, &topics::EVENTS)?,
             fabric: Out::new(&mut node, identity, &topics::FABRIC)?,
+            rearrangements: Out::new(&mut node, identity, &topics::REARRANGEMENTS)?,
             report: Out::new(&mut node, identity, &topics::REPORT)?,
             discrepancy: cells
                 .map(|_| Out::new(&mut node, identity, &topics::DISCREPANCY))
@@ -157,6 +159,7 @@ impl Endpoints {
             self.markers.listeners(self),
             self.events.listeners(self),
             self.fabric.listeners(self),
+            self.rearrangements.listeners(self),
             self.report.listeners(self),
         ]);
         all.extend(self.discrepancy.as_ref().map(|discrepancy| discrepancy.listeners(self)));

@@ -15,6 +15,7 @@ use super::discrepancy::Comparison;
 use super::endpoints::Endpoints;
 use super::frames::{Frame, Frames};
 use super::pictures::{Easel, Picture};
+use crate::msg::rearrangement::{self, LIVE_CONTACTS, LIVE_GRAINS, Rearrangement};
 use crate::msg::{
     Discrepancy, Event, Fabric, JointState, Moduli, PackState, Report, TFMessage, WallForces,
     WrenchStamped, convert,
@@ -53,6 +54,7 @@ pub(super) enum Outgoing {
     Picture(Picture, Arc<Served>),
     Event(Event),
     Fabric(Fabric),
+    Rearrangement(Rearrangement),
     Report(Report),
     Discrepancy(Discrepancy),
     /// Kept by the middleware for whoever comes later.
@@ -100,6 +102,8 @@ impl NodeSink {
             messages.extend(convert::moduli(measures).map(Outgoing::Moduli));
             messages.extend(convert::fabric(measures).map(Outgoing::Fabric));
             messages.extend(convert::events(measures).map(Outgoing::Event));
+            let chunks = rearrangement::chunks(measures, LIVE_GRAINS, LIVE_CONTACTS);
+            messages.extend(chunks.map(Outgoing::Rearrangement));
         }
         messages.push(Outgoing::Report(Report::from(&served.report)));
         self.counters.queued.fetch_add(messages.len() as u64, Ordering::Relaxed);
@@ -125,7 +129,8 @@ impl Sink for NodeSink {
             When::OnDemand => asked(listens),
             When::Never => false,
         };
-        let Outputs { contact_network, grain_motion, markers, fabric, .. } = self.outputs;
+        let Outputs { contact_network, grain_motion, markers, fabric, rearrangements, .. } =
+            self.outputs;
         // The markers show the state and the contacts too.
         let marked =
             self.draws && when(markers, |endpoints| endpoints.markers.has_listener(endpoints));
@@ -142,6 +147,11 @@ impl Sink for NodeSink {
                 endpoints.contact_network.has_listener(endpoints)
             }) || marked && contact_network != When::Never,
             fabric: when(fabric, |endpoints| endpoints.fabric.has_listener(endpoints)),
+            rearrangements: when(rearrangements, |endpoints| {
+                endpoints.rearrangements.has_listener(endpoints)
+            }),
+            // Recorded only.
+            snapshots: false,
         }
     }
 
@@ -237,6 +247,7 @@ impl Outbox {
             Outgoing::Picture(Picture::Markers, _) => endpoints.markers.has_listener(endpoints),
             Outgoing::Event(_) => endpoints.events.has_listener(endpoints),
             Outgoing::Fabric(_) => endpoints.fabric.has_listener(endpoints),
+            Outgoing::Rearrangement(_) => endpoints.rearrangements.has_listener(endpoints),
             Outgoing::Report(_) => endpoints.report.has_listener(endpoints),
             Outgoing::Discrepancy(_) => {
                 endpoints.discrepancy.as_ref().is_some_and(|out| out.has_listener(endpoints))
@@ -256,6 +267,7 @@ impl Outbox {
             Outgoing::Moduli(message) => endpoints.moduli.publish(message).await,
             Outgoing::Event(message) => endpoints.events.publish(message).await,
             Outgoing::Fabric(message) => endpoints.fabric.publish(message).await,
+            Outgoing::Rearrangement(message) => endpoints.rearrangements.publish(message).await,
             Outgoing::Report(message) => endpoints.report.publish(message).await,
             Outgoing::Discrepancy(message) => match &endpoints.discrepancy {
                 Some(out) => out.publish(message).await,

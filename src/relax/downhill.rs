@@ -62,7 +62,7 @@ pub(super) fn descend(
         }
     }
     if outcome.status.is_equilibrium() {
-        work.jumps.extend(watch.jump(model, state, &work.balance.sums));
+        work.jumps.extend(watch.jump(model, state, &work.balance));
     }
     outcome
 }

@@ -3,7 +3,7 @@
 use crate::Vec3;
 use crate::heap;
 use crate::model::Model;
-use crate::relax::balance::{Balance, Sums};
+use crate::relax::balance::Balance;
 use crate::state::State;
 use crate::wall::{self, Bounds};
 
@@ -13,7 +13,7 @@ const GROWTH: f64 = 1.5;
 const FAR: f64 = 1.0;
 
 /// Where the grains are.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pose {
     /// Centres \[m\], shape (n).
     pub position: Vec<Vec3>,
@@ -38,6 +38,19 @@ impl Pose {
         let carried = Carried::new(&before, &after);
         let from = self.position.iter().map(move |at| if stands { *at } else { carried.to(at) });
         state.position.iter().zip(from).map(|(at, from)| at - from)
+    }
+
+    /// That of `state`.
+    fn of(state: &State) -> Self {
+        let mut pose = Self::default();
+        pose.copy(state);
+        pose
+    }
+
+    /// The box.
+    #[must_use]
+    pub fn bounds(&self, model: &Model) -> Bounds {
+        model.start.displaced(&self.displacement)
     }
 
     /// Memory that its lists hold \[bytes\].
@@ -75,23 +88,46 @@ impl Carried {
     }
 }
 
-/// A rearrangement between two equilibria while the walls stood still.
+/// A rearrangement while the walls stood still: from where stability was lost to an equilibrium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Jump {
     /// Mean normal stress of the contacts, the trace over three \[Pa\], where stability was lost.
     pub stress_before: f64,
     /// The same at the equilibrium that the pack came to.
     pub stress_after: f64,
+    /// Elastic and gravitational energy where stability was lost, with what slip took since the
+    /// last equilibrium \[J\].
+    pub energy_before: f64,
+    /// The same at the equilibrium that the pack came to.
+    pub energy_after: f64,
     /// Grains that went further than the mean overlap, in the solver's order, and how far \[m\].
     pub grains: Vec<(u32, f64)>,
+    /// Where stability was lost.
+    pub before: Pose,
+    /// Where the pack came to.
+    pub after: Pose,
+}
+
+impl Jump {
+    /// Energy that neither the pack stores nor slip took \[J\]: what drag takes in overdamped motion.
+    #[must_use]
+    pub fn released(&self) -> f64 {
+        self.energy_before - self.energy_after
+    }
+
+    /// Memory that its lists hold \[bytes\].
+    pub(super) fn heap_bytes(&self) -> usize {
+        heap::bytes(&self.grains) + self.before.heap_bytes() + self.after.heap_bytes()
+    }
 }
 
 /// Looks for the point at which stability was lost: on its way down the unbalanced force of the
 /// pack first dies away as if there were an equilibrium, and then grows again.
 #[derive(Clone, Debug, Default)]
 pub struct Watch {
-    position: Vec<Vec3>,
+    pose: Pose,
     virial: f64,
+    potential: f64,
     least: f64,
     grown: bool,
 }
@@ -104,23 +140,25 @@ impl Watch {
         }
         let all = balance.gradient.iter().chain(&balance.moment);
         let square: f64 = all.map(Vec3::norm_squared).sum();
-        if self.position.is_empty() || square < self.least {
+        if self.pose.position.is_empty() || square < self.least {
             self.least = square;
-            self.position.clone_from(&state.position);
+            self.pose.copy(state);
             self.virial = balance.sums.virial.iter().sum();
+            self.potential = balance.potential();
         } else {
             self.grown = square > GROWTH * GROWTH * self.least;
         }
     }
 
-    /// What happened on the way to the equilibrium `state` with `sums`; `None` where the force
+    /// What happened on the way to the equilibrium `state` with `balance`; `None` where the force
     /// only fell, or no grain that carries load jumped.
-    pub(super) fn jump(&self, model: &Model, state: &State, sums: &Sums) -> Option<Jump> {
+    pub(super) fn jump(self, model: &Model, state: &State, balance: &Balance) -> Option<Jump> {
         if !self.grown {
             return None;
         }
+        let sums = &balance.sums;
         let far = FAR * sums.mean_overlap();
-        let moved = |i: usize| (state.position[i] - self.position[i]).norm();
+        let moved = |i: usize| (state.position[i] - self.pose.position[i]).norm();
         let grains: Vec<(u32, f64)> = (0..model.len())
             .filter(|&i| state.carries[i])
             .map(|i| (i as u32, moved(i)))
@@ -131,7 +169,11 @@ impl Watch {
         (!grains.is_empty()).then(|| Jump {
             stress_before: self.virial / volume,
             stress_after: after / volume,
+            energy_before: self.potential,
+            energy_after: balance.potential(),
             grains,
+            before: self.pose,
+            after: Pose::of(state),
         })
     }
 }

@@ -45,6 +45,10 @@ pub struct Outputs {
     /// τ_FC (T 2.7.4.1): share of the contacts, those with the largest normal forces, that make the
     /// force chains of `fabric`; above 0, at most 1.
     pub chain_share: f64,
+    /// What each event did to grains and contacts.
+    pub rearrangements: When,
+    /// All grains before and after each event; recorded only.
+    pub snapshots: When,
 }
 
 impl Default for Outputs {
@@ -56,6 +60,8 @@ impl Default for Outputs {
             moduli: ModuliKind::default(),
             fabric: When::default(),
             chain_share: 0.1,
+            rearrangements: When::default(),
+            snapshots: When::default(),
         }
     }
 }

@@ -53,6 +53,7 @@ impl Twin {
         self.increment = 0;
         self.outcome = Outcome::NONE;
         self.stress_strain = ([0.0; 3], [0.0; 3]);
+        self.event_energy = 0.0;
         self.start(demand)
     }
 

@@ -182,6 +182,8 @@ impl Sink for LiveSink {
             grains: marked || asked(&topics::GRAINS),
             grain_motion: asked(&topics::GRAIN_MOTION),
             fabric: asked(&topics::FABRIC),
+            rearrangements: asked(&topics::REARRANGEMENTS),
+            snapshots: asked(&topics::SNAPSHOTS),
         }
     }
 

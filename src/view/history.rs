@@ -71,7 +71,9 @@ impl History {
             .or_else(|| self.decode(message).map(Measure::Moduli))
             .or_else(|| self.decode(message).map(Measure::Network))
             .or_else(|| self.decode(message).map(Box::new).map(Measure::Motion))
-            .or_else(|| self.decode(message).map(Measure::Fabric));
+            .or_else(|| self.decode(message).map(Measure::Fabric))
+            .or_else(|| self.decode(message).map(Measure::Event))
+            .or_else(|| self.decode(message).map(Measure::Rearrangement));
         let Some(measure) = measure else { return };
         if self.current.ends_before(&measure) {
             self.end_run();

@@ -2,6 +2,7 @@
 
 mod contacts;
 mod energy;
+mod events;
 mod fabric;
 mod friction;
 mod measures;

@@ -1,7 +1,9 @@
 //! The measures of one run.
 
 use super::motions::Motions;
-use crate::msg::{ContactNetwork, Fabric, GrainMotion, Moduli, PackState, WallForces};
+use crate::msg::{
+    ContactNetwork, Event, Fabric, GrainMotion, Moduli, PackState, Rearrangement, WallForces,
+};
 
 /// The measures between two resets of the twin, in the order of the bag. A reset takes the pack
 /// back to the start and counts the increments from 0 again.
@@ -21,6 +23,10 @@ pub struct Run {
     pub loads: Vec<Load>,
     /// How the grains moved.
     pub motions: Motions,
+    /// Increments with events, each once.
+    pub eventful: Vec<u64>,
+    /// Energy that events released in these increments \[J\].
+    pub released: Vec<(u64, f64)>,
 }
 
 /// The contact forces of one equilibrium.
@@ -53,6 +59,8 @@ pub(super) enum Measure {
     Network(ContactNetwork),
     Motion(Box<GrainMotion>),
     Fabric(Fabric),
+    Event(Event),
+    Rearrangement(Rearrangement),
 }
 
 impl Run {
@@ -105,6 +113,8 @@ impl Run {
                 (self.loads.last().map(|m| m.increment), next.increment, next.chunk > 0)
             }
             Measure::Motion(next) => (self.motions.increment(), next.increment, next.chunk > 0),
+            // They come after the measures of their increment.
+            Measure::Event(_) | Measure::Rearrangement(_) => return false,
         };
         last.is_some_and(|last| next < last || (next == 0 && last == 0 && !goes_on))
     }
@@ -117,6 +127,8 @@ impl Run {
             Measure::Network(network) => self.add_network(network),
             Measure::Motion(motion) => self.motions.add(*motion),
             Measure::Fabric(fabric) => self.fabrics.push(fabric),
+            Measure::Event(event) => self.add_event(event.increment),
+            Measure::Rearrangement(event) => self.add_rearrangement(&event),
         }
     }
 
@@ -138,6 +150,24 @@ impl Run {
                 first.extend(&forces);
             }
             last.extend(&forces);
+        }
+    }
+
+    fn add_event(&mut self, increment: u64) {
+        if self.eventful.last() != Some(&increment) {
+            self.eventful.push(increment);
+        }
+    }
+
+    /// Every chunk tells the energies.
+    fn add_rearrangement(&mut self, event: &Rearrangement) {
+        if event.chunk > 0 {
+            return;
+        }
+        let energy = event.energy_before - event.energy_after;
+        match self.released.last_mut() {
+            Some((last, released)) if *last == event.increment => *released += energy,
+            _ => self.released.push((event.increment, energy)),
         }
     }
 
@@ -192,6 +222,24 @@ mod tests {
         let [first, last] = run.networks.unwrap_or_default();
         assert_eq!((first.normal, first.tangential), (vec![7.0; 2], vec![5.0, 2.0]));
         assert_eq!((last.normal, last.tangential), (vec![7.0], vec![0.0]));
+    }
+
+    #[test]
+    fn events_of_one_increment_are_marked_once_and_their_energies_added() {
+        let mut run = Run::default();
+        let event = |increment| Measure::Event(Event { increment, ..Event::default() });
+        let moved = |increment, chunk, energy_before| {
+            let event = Rearrangement { increment, chunk, energy_before, ..Default::default() };
+            Measure::Rearrangement(event)
+        };
+        for measure in [event(2), event(2), moved(2, 0, 3.0), moved(2, 1, 3.0), moved(2, 0, 0.5)] {
+            assert!(!run.ends_before(&measure));
+            run.add(measure);
+        }
+        run.add(event(7));
+        run.add(moved(7, 0, 2.0));
+        assert_eq!(run.eventful, [2, 7]);
+        assert_eq!(run.released, [(2, 3.5), (7, 2.0)]);
     }
 
     #[test]

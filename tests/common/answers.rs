@@ -8,8 +8,8 @@ use std::sync::Arc;
 use graintwin::command::{Ask, Command, Disposition, Mode, Stamp};
 use graintwin::record::Provenance;
 use graintwin::report::{
-    Band, ContactNetwork, Event, EventKind, GrainMotion, Localisation, Measures, Moduli, PackState,
-    Report, WallForces,
+    Band, ContactNetwork, Event, EventEnd, EventKind, GrainMotion, Localisation, Measures, Moduli,
+    PackState, Rearrangement, Report, Snapshot, WallForces,
 };
 use graintwin::sink::Served;
 
@@ -81,8 +81,34 @@ fn jump(increment: u64) -> Event {
         kind: EventKind::StressDrop,
         stress_before: 1.25e6,
         stress_after: 1.0e6 + increment as f64,
+        energy_released: 3.0e-9,
         grains: vec![3, 4_000_000_000],
         displacement: vec![1.5e-7, 2.5e-6],
+    }
+}
+
+fn rearrangement(increment: u64) -> Rearrangement {
+    Rearrangement {
+        kind: EventKind::StressDrop,
+        stress_before: 1.25e6,
+        stress_after: 1.0e6 + increment as f64,
+        energy_before: 5.0e-8,
+        energy_after: 4.7e-8,
+        grains: vec![3, 4_000_000_000],
+        displacement: vec![[1.5e-7, 0.0, 0.0], [0.0, -2.5e-6, 1.0 / 3.0]],
+        rotation: vec![[0.1, 0.2, -0.3], [1e-9, 0.0, -0.0]],
+        lost: vec![[3, 17], [5, u32::MAX - 5]],
+        made: vec![[3, 4_000_000_000]],
+    }
+}
+
+fn snapshot(end: EventEnd) -> Snapshot {
+    Snapshot {
+        event: 0,
+        end,
+        wall_position: [-1.0, 1.0, -1.0, 1.0, -1.0, 1.0 + f64::EPSILON],
+        position: vec![[0.1, 0.2, 0.3], [1.0 / 3.0, -7e-5, 1e300]],
+        rotation: vec![[0.0, -0.0, 1e-3], [5e-324, 2.0, 3.0]],
     }
 }
 
@@ -126,6 +152,7 @@ fn measures(stamp: Stamp, increment: u64, contacts: u32) -> Measures {
         shear_energy: next(),
         slip_energy: next(),
         renewal_energy: next(),
+        event_energy: next(),
         stored_energy: next(),
         wall_work: next(),
         dissipated_energy: next(),
@@ -192,6 +219,8 @@ fn measures(stamp: Stamp, increment: u64, contacts: u32) -> Measures {
         stamp,
         increment,
         events: vec![jump(increment)],
+        rearrangements: vec![rearrangement(increment)],
+        snapshots: [EventEnd::Before, EventEnd::After].map(snapshot).to_vec(),
         walls,
         wall_force_error: 2.5e-9,
         state: Some(state),

@@ -71,6 +71,8 @@ impl MadeUpTwin {
             increment: self.increment,
             // Only some increments have events.
             events: (0..self.increment % 3).map(|_| n.event()).collect(),
+            rearrangements: Vec::new(),
+            snapshots: Vec::new(),
             walls: WallForces {
                 normal_force: from_fn(|_| n.next()),
                 displacement: from_fn(|_| n.next()),
@@ -151,6 +153,7 @@ impl Numbers {
             kind: EventKind::StressDrop,
             stress_before: self.next(),
             stress_after: self.next(),
+            energy_released: self.next(),
             grains: (0..5).map(|_| self.index()).collect(),
             displacement: (0..5).map(|_| self.next()).collect(),
         }

@@ -200,6 +200,27 @@ class Fabric(IdlStruct, typename="graintwin_msgs.msg.dds_.Fabric_"):
 
 
 @dataclass
+class Rearrangement(IdlStruct, typename="graintwin_msgs.msg.dds_.Rearrangement_"):
+    header: Header
+    increment: uint64
+    event: uint32
+    chunk: uint32
+    chunk_count: uint32
+    kind: uint8
+    stress_before: float64
+    stress_after: float64
+    energy_before: float64
+    energy_after: float64
+    grains: sequence[uint32]
+    displacement: sequence[float64]
+    rotation: sequence[float64]
+    lost_first: sequence[uint32]
+    lost_second: sequence[uint32]
+    made_first: sequence[uint32]
+    made_second: sequence[uint32]
+
+
+@dataclass
 class Report(IdlStruct, typename="graintwin_msgs.msg.dds_.Report_"):
     header: Header
     session: str
@@ -398,6 +419,7 @@ OUT = {
     "grain_motion": Out(GrainMotion, 2000),
     "events": Out(Event, 20000),
     "fabric": Out(Fabric, 20000),
+    "rearrangements": Out(Rearrangement, 20000),
     "report": Out(Report, 20000),
 }
 

@@ -23,6 +23,8 @@ fn served(disposition: Disposition, iterations: Option<u32>) -> Served {
         grains: None,
         motion: None,
         fabric: None,
+        rearrangements: Vec::new(),
+        snapshots: Vec::new(),
     });
     let report = Report {
         stamp: Stamp::default(),

@@ -189,6 +189,8 @@ fn is_on_demand(topic: &Topic) -> bool {
         &topics::CONTACT_NETWORK,
         &topics::GRAIN_MOTION,
         &topics::FABRIC,
+        &topics::REARRANGEMENTS,
+        &topics::SNAPSHOTS,
     ]
     .contains(&topic)
 }

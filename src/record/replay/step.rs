@@ -69,6 +69,8 @@ impl Step {
             grains: has(&topics::GRAINS) || marked,
             grain_motion: has(&topics::GRAIN_MOTION),
             fabric: has(&topics::FABRIC),
+            rearrangements: has(&topics::REARRANGEMENTS),
+            snapshots: has(&topics::SNAPSHOTS),
         }
     }
 

@@ -1,5 +1,6 @@
 //! Where the work of the walls went.
 
+use super::events;
 use super::measures::series;
 use super::strain::Strain;
 use crate::msg::WallForces;
@@ -27,15 +28,17 @@ pub(super) fn energy(run: &Run, strain: &Strain) -> Chart {
     if start.is_finite() {
         notes.push(format!("Stored at the start: {}.", Unit::Si("J").written(start)));
     }
+    let mut lines = vec![
+        Series { stroke: WORK, ..Series::new(1, "work of the walls", work) },
+        series(0, "stored", run, strain, |state| told(state.stored_energy - start, start)),
+        series(2, "dissipated", run, strain, |state| told(state.dissipated_energy, start)),
+    ];
+    lines.extend(events::released(run, strain));
     Chart {
         title: format!("Energy since the start, against {}", strain.name()),
         x: strain.axis(),
         y: Axis::linear("energy", Unit::Si("J")),
-        series: vec![
-            Series { stroke: WORK, ..Series::new(1, "work of the walls", work) },
-            series(0, "stored", run, strain, |state| told(state.stored_energy - start, start)),
-            series(2, "dissipated", run, strain, |state| told(state.dissipated_energy, start)),
-        ],
+        series: lines,
         notes,
     }
 }

@@ -1,5 +1,6 @@
 //! What the pack and its walls carried.
 
+use super::events;
 use super::strain::Strain;
 use crate::msg::{PackState, WallForces};
 use crate::view::chart::{Chart, Pattern, Series, Stroke};
@@ -22,14 +23,16 @@ pub(super) fn series(
 
 /// Confining and deviatoric stress.
 pub(super) fn stress(run: &Run, strain: &Strain) -> Chart {
+    let mut lines = vec![
+        series(0, "confining stress", run, strain, |state| state.confining_stress),
+        series(1, "deviatoric stress", run, strain, |state| state.deviatoric_stress),
+    ];
+    lines.extend(events::marks(run, strain));
     Chart {
         title: format!("Stress against {}", strain.name()),
         x: strain.axis(),
         y: Axis::linear("stress", Unit::Si("Pa")),
-        series: vec![
-            series(0, "confining stress", run, strain, |state| state.confining_stress),
-            series(1, "deviatoric stress", run, strain, |state| state.deviatoric_stress),
-        ],
+        series: lines,
         notes: Vec::new(),
     }
 }
