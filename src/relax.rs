@@ -33,6 +33,7 @@ mod split;
 mod sticking;
 mod sym3;
 mod sym6;
+pub mod tangent;
 pub mod tangential;
 mod verdict;
 

@@ -75,6 +75,14 @@ pub fn stiffness_ratio(compliance_sum: f64, shear_compliance_sum: f64) -> f64 {
     4.0 * compliance_sum / shear_compliance_sum
 }
 
+/// D of the ring at `overlap` \[m\] in `layers` that end at `before`: the inner one where two meet.
+#[must_use]
+pub(crate) fn ratio_at(layers: &[Layer], before: f64, overlap: f64) -> Vec3 {
+    rings::of(layers, before)
+        .find(|ring| overlap <= ring.outer)
+        .map_or_else(Vec3::zeros, |ring| ring.ratio)
+}
+
 /// What does not change while two bodies touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {

@@ -8,6 +8,7 @@
 mod batch;
 mod commit;
 mod held;
+mod slope;
 mod turn;
 
 use rayon::prelude::*;
@@ -25,6 +26,7 @@ use crate::state::{Remembered, State};
 pub use commit::Changes;
 pub use held::Held;
 pub(super) use held::Pose;
+pub(super) use slope::Slope;
 use held::{Midway, Pair, wall_normal};
 
 /// Contacts that one task answers for, and that are answered for before their forces are added
