@@ -646,3 +646,81 @@ fn grains_in_another_order_move_the_same() {
         assert!((one / other - 1.0).abs() < 1e-5);
     }
 }
+
+/// A run of the program in `folder`, recorded into `bag` there; its summary.
+#[cfg(feature = "mcap")]
+fn recorded(folder: &std::path::Path, scene: &str) -> serde_json::Value {
+    std::fs::write(folder.join("scene.yaml"), scene).unwrap();
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_graintwin"))
+        .current_dir(folder)
+        .args(["run", "scene.yaml", "--record", "bag", "--json", "--threads", "1"])
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+#[cfg(feature = "mcap")]
+#[path = "common/python.rs"]
+mod python;
+
+/// The same from the recording alone, by another program; and a replay gives it again.
+#[cfg(feature = "mcap")]
+#[test]
+fn numpy_finds_the_same_in_a_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = "pack: {generate: {grains: 400, radius: {uniform: [0.7e-3, 1.3e-3]}, \
+         material: glass, confining_stress: 2.0e6}}\n\
+         contact: {friction: {coefficient: 0.3}}\n\
+         load_path: [uniaxial: {axis: z, strain: 1.0e-3, increments: 6}]\n";
+    let summary = recorded(folder.path(), scene);
+    let end = &summary["grain_motion"];
+    assert!(end["participation"].as_f64().is_some_and(|part| part > 0.0 && part < 1.0), "{end}");
+    assert!(end["band"]["thickness"].as_f64().is_some_and(|thickness| thickness > 0.0), "{end}");
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_graintwin"))
+        .args(["replay", "--verify"])
+        .arg(folder.path().join("bag"))
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let Some(said) = python::run("motion.py", &[&folder.path().join("bag")], "") else { return };
+    let said: serde_json::Value = serde_json::from_str(&said).unwrap();
+    assert_eq!((&said["increments"], &said["grains"]), (&6.into(), &400.into()), "{said}");
+    assert!(said["floating"].as_u64().is_some_and(|floating| floating > 0), "{said}");
+}
+
+/// `never`: neither computed nor recorded nor in the summary, and the run is the same.
+#[cfg(feature = "mcap")]
+#[test]
+fn a_recording_without_the_motion_verifies_and_is_of_the_same_run() {
+    let scene = |more: &str| {
+        format!(
+            "pack: {{generate: {{grains: 60, radius: {{uniform: [0.7e-3, 1.3e-3]}}, \
+             material: glass, confining_stress: 2.0e6}}}}\n\
+             load_path: [uniaxial: {{axis: z, strain: 1.0e-3, increments: 3}}]\n{more}"
+        )
+    };
+    let mut digests = Vec::new();
+    for (more, messages, known) in [
+        ("", 4, true),
+        ("outputs: {grain_motion: never}\n", 0, false),
+        ("record: {exclude: [grain_motion]}\n", 0, true),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let summary = recorded(folder.path(), &scene(more));
+        assert_eq!(summary["grain_motion"].is_object(), known, "{more}");
+        let bag = folder.path().join("bag");
+        let survey = graintwin::record::reader::Bag::open(&bag).unwrap().survey().unwrap();
+        let found = survey.topics.get("/graintwin/grain_motion").map_or(0, |topic| topic.messages);
+        assert_eq!(found, messages, "{more}");
+        let output = std::process::Command::new(env!("CARGO_BIN_EXE_graintwin"))
+            .args(["replay", "--verify", "--json"])
+            .arg(&bag)
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let verdict: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        digests.push(verdict["compared"]["state"].clone());
+    }
+    assert!(digests[0].is_string() && digests.iter().all(|one| *one == digests[0]), "{digests:?}");
+}

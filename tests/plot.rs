@@ -29,7 +29,7 @@ fn every_sheet_is_well_formed_and_named_after_the_scene() {
     let (code, stdout, stderr) = plot(&[&bag]);
     assert_eq!(code, 0, "{stderr}");
     let files: Vec<&str> = stdout.lines().filter(|file| file.ends_with(".svg")).collect();
-    assert_eq!(files.len(), 11, "{stdout}");
+    assert_eq!(files.len(), 12, "{stdout}");
     for file in files {
         let text = fs::read_to_string(file).unwrap();
         let svg = roxmltree::Document::parse(&text).unwrap_or_else(|e| panic!("{file}: {e}"));
