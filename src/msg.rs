@@ -26,9 +26,8 @@ pub mod transforms;
 
 pub use diagnostics::{DiagnosticArray, DiagnosticStatus, KeyValue};
 pub use graintwin::{
-    BoundaryCommand, Circumstance, ContactNetwork, Discrepancy, Event, GrainMotion, Moduli, PackState,
-    Report,
-    WallForces, WallTargets,
+    BoundaryCommand, Circumstance, ContactNetwork, Discrepancy, Event, GrainMotion, Moduli,
+    PackState, Report, WallForces, WallTargets,
 };
 pub use picture::{Marker, MarkerArray, PointCloud2};
 pub use schema::{Described, MessageType};

@@ -34,13 +34,8 @@ impl Demand {
     };
 
     /// Everything.
-    pub const ALL: Self = Self {
-        state: true,
-        moduli: true,
-        contact_network: true,
-        grains: true,
-        grain_motion: true,
-    };
+    pub const ALL: Self =
+        Self { state: true, moduli: true, contact_network: true, grains: true, grain_motion: true };
 
     /// What this or the `other` wants.
     #[must_use]

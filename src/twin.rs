@@ -18,9 +18,7 @@ use crate::pack::{Grain, History, Pack};
 use crate::relax::advance::Advance;
 use crate::relax::jump::Jump;
 use crate::relax::{Effort, Outcome, Status, Workspace, accuracy, relax};
-use crate::report::{
-    Demand, Event, EventKind, GrainMotion, Measures, Moduli, PackState, Report,
-};
+use crate::report::{Demand, Event, EventKind, GrainMotion, Measures, Moduli, PackState, Report};
 use crate::scene::{Method, Scene, When};
 use crate::state::State;
 use crate::wall::{self, Setpoint, WallTarget};

@@ -16,9 +16,10 @@ use graintwin::msg::picture::{
 };
 use graintwin::msg::{
     BoundaryCommand, Circumstance, Clock, ContactNetwork, Described, DiagnosticArray,
-    DiagnosticStatus, Discrepancy, Duration, Event, GrainMotion, Header, JointState, JointTrajectory,
-    JointTrajectoryPoint, KeyValue, Moduli, PackState, Quaternion, Report, TFMessage, Time,
-    Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench, WrenchStamped,
+    DiagnosticStatus, Discrepancy, Duration, Event, GrainMotion, Header, JointState,
+    JointTrajectory, JointTrajectoryPoint, KeyValue, Moduli, PackState, Quaternion, Report,
+    TFMessage, Time, Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench,
+    WrenchStamped,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;

@@ -18,9 +18,10 @@ use graintwin::msg::rcl::{Log, Parameter, ParameterEvent, ParameterValue};
 use graintwin::msg::services::{SavePack, Service, SetBool, Trigger};
 use graintwin::msg::{
     BoundaryCommand, Circumstance, Clock, ContactNetwork, Described, DiagnosticArray,
-    DiagnosticStatus, Discrepancy, Duration, Event, GrainMotion, Header, JointState, JointTrajectory,
-    JointTrajectoryPoint, KeyValue, Moduli, PackState, Quaternion, Report, TFMessage, Time,
-    Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench, WrenchStamped, topics,
+    DiagnosticStatus, Discrepancy, Duration, Event, GrainMotion, Header, JointState,
+    JointTrajectory, JointTrajectoryPoint, KeyValue, Moduli, PackState, Quaternion, Report,
+    TFMessage, Time, Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench,
+    WrenchStamped, topics,
 };
 use graintwin::report::{self, ContactState, Measures};
 use graintwin::wall::{self, WallTarget};

@@ -446,9 +446,8 @@ fn the_parts_of_the_displacement_and_the_numbers_of_the_whole_are_what_they_are_
         (0..pack.grains.len()).filter(|&i| found.carries[i]).map(|i| found.d2min[i]).collect();
     d2min.retain(|d2min| !d2min.is_nan());
     d2min.sort_by(f64::total_cmp);
-    let share = |count: usize| {
-        d2min.iter().rev().take(count).sum::<f64>() / d2min.iter().sum::<f64>()
-    };
+    let share =
+        |count: usize| d2min.iter().rev().take(count).sum::<f64>() / d2min.iter().sum::<f64>();
     assert!(close(found.localisation.d2min_top_1, share(d2min.len().div_ceil(100))));
     assert!(close(found.localisation.d2min_top_10, share(d2min.len().div_ceil(10))));
 }
@@ -524,8 +523,7 @@ fn a_ball_between_plates_turns_as_the_moments_of_its_contacts_ask() {
     let (young, poisson) = (1e7, 0.3);
     let ball = Grain { position: [0.0; 3], radius, young, poisson, density, friction: MU };
     let half = [3.0 * radius, 3.0 * radius, radius - overlap];
-    let pack =
-        Pack { bounds: centered(half.map(|h| 2.0 * h)), grains: vec![ball], history: None };
+    let pack = Pack { bounds: centered(half.map(|h| 2.0 * h)), grains: vec![ball], history: None };
     let (_, report) = Rig::start(&scene, &pack);
     let measures = report.measures.unwrap();
     let found = motion(&measures);

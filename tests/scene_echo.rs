@@ -308,8 +308,11 @@ fn service() -> impl Strategy<Value = (Outputs, Node, Record)> {
     let when = prop::sample::select(vec![When::Always, When::OnDemand, When::Never]);
     let moduli = prop::sample::select(vec![ModuliKind::Secant, ModuliKind::None]);
     let outputs = (when.clone(), when.clone(), when, moduli);
-    let outputs = outputs.prop_map(|(contact_network, markers, grain_motion, moduli)| {
-        Outputs { contact_network, markers, grain_motion, moduli }
+    let outputs = outputs.prop_map(|(contact_network, markers, grain_motion, moduli)| Outputs {
+        contact_network,
+        markers,
+        grain_motion,
+        moduli,
     });
     let kind = prop::sample::select(vec![Compression::Zstd, Compression::Lz4, Compression::None]);
     let record = ((1_u64 << 20)..=(1 << 30), kind).prop_map(|(chunk, compression)| Record {

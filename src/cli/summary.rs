@@ -11,9 +11,7 @@ use serde::Serialize;
 use graintwin::command::Disposition;
 use graintwin::measure::coordination::Histograms;
 use graintwin::pack::prepare::Reached;
-use graintwin::report::{
-    Demand, Event, Localisation, Measures, Moduli, PackState, WallForces,
-};
+use graintwin::report::{Demand, Event, Localisation, Measures, Moduli, PackState, WallForces};
 use graintwin::scene::{Friction, Loaded};
 use graintwin::sink::{Served, Sink};
 use graintwin::twin::Twin;

@@ -9,8 +9,8 @@ use super::rcl::{Log, ParameterEvent};
 use super::topics::{self, Topic};
 use super::{
     BoundaryCommand, Circumstance, ContactNetwork, Described, DiagnosticArray, Discrepancy, Event,
-    GrainMotion, JointState, JointTrajectory, MarkerArray, MessageType, Moduli, PackState, PointCloud2, Report,
-    TFMessage, WallForces, WallTargets, WrenchStamped,
+    GrainMotion, JointState, JointTrajectory, MarkerArray, MessageType, Moduli, PackState,
+    PointCloud2, Report, TFMessage, WallForces, WallTargets, WrenchStamped,
 };
 use crate::command::Stamp;
 use crate::report::Measures;

@@ -3,9 +3,9 @@
 use super::rcl::{Log, ParameterEvent};
 use super::schema::{Described, MessageType};
 use super::{
-    BoundaryCommand, Circumstance, ContactNetwork, DiagnosticArray, Discrepancy, Event, GrainMotion,
-    JointState, JointTrajectory, MarkerArray, Moduli, PackState, PointCloud2, Report, TFMessage, WallForces,
-    WallTargets, WrenchStamped,
+    BoundaryCommand, Circumstance, ContactNetwork, DiagnosticArray, Discrepancy, Event,
+    GrainMotion, JointState, JointTrajectory, MarkerArray, Moduli, PackState, PointCloud2, Report,
+    TFMessage, WallForces, WallTargets, WrenchStamped,
 };
 use crate::wall;
 

@@ -13,8 +13,8 @@ use super::services::Services;
 use super::{NodeError, clock, mapping};
 use crate::msg::{
     BoundaryCommand, Clock, ContactNetwork, DiagnosticArray, Discrepancy, Event, GrainMotion,
-    JointState, JointTrajectory, MarkerArray, Moduli, PackState, PointCloud2, Report, TFMessage, Topic,
-    WallForces, WallTargets, WrenchStamped, topics,
+    JointState, JointTrajectory, MarkerArray, Moduli, PackState, PointCloud2, Report, TFMessage,
+    Topic, WallForces, WallTargets, WrenchStamped, topics,
 };
 use crate::{scene, wall};
 

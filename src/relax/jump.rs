@@ -32,11 +32,7 @@ impl Pose {
     }
 
     /// How far each grain of `state` is from here, but for where the walls took it along \[m\].
-    pub fn moved<'a>(
-        &'a self,
-        model: &Model,
-        state: &'a State,
-    ) -> impl Iterator<Item = Vec3> + 'a {
+    pub fn moved<'a>(&'a self, model: &Model, state: &'a State) -> impl Iterator<Item = Vec3> + 'a {
         let (before, after) = (model.start.displaced(&self.displacement), state.bounds(model));
         let stands = self.displacement == state.displacement;
         let carried = Carried::new(&before, &after);

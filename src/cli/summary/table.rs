@@ -49,7 +49,8 @@ pub(super) fn write(summary: &Summary) -> String {
         let what = format!("{} contacts opened, {} formed", summary.opened, summary.formed);
         line(&mut text, "friction", &what);
     }
-    if let Some(motion) = summary.grain_motion.filter(|motion| motion.non_affine_ratio.is_finite()) {
+    if let Some(motion) = summary.grain_motion.filter(|motion| motion.non_affine_ratio.is_finite())
+    {
         let part = |value: f64| significant(value, 3);
         let what = format!(
             "last increment: non-affine over affine {}, participation {}, top tenth in D²min {}",

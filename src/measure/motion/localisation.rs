@@ -77,10 +77,10 @@ fn root_mean(squares: &[f64]) -> f64 {
 pub fn participation(squares: &[f64]) -> f64 {
     // Over the largest, since fourth powers of small rotations leave the range of numbers.
     let largest = squares.iter().copied().fold(0.0, f64::max);
-    let (sum, fourth) = squares.iter().map(|square| square / largest).fold(
-        (0.0, 0.0),
-        |(sum, fourth), square| (sum + square, fourth + square * square),
-    );
+    let (sum, fourth) = squares
+        .iter()
+        .map(|square| square / largest)
+        .fold((0.0, 0.0), |(sum, fourth), square| (sum + square, fourth + square * square));
     sum * sum / (squares.len() as f64 * fourth)
 }
 

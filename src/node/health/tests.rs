@@ -21,6 +21,7 @@ fn served(disposition: Disposition, iterations: Option<u32>) -> Served {
         moduli: None,
         network: None,
         grains: None,
+        motion: None,
     });
     let report = Report {
         stamp: Stamp::default(),

@@ -44,9 +44,7 @@ pub(super) fn localisation(run: &Run, strain: &Strain) -> Chart {
         x: strain.axis(),
         y: Axis::linear("share", Unit::None),
         series: vec![
-            series(0, "participation of displacements", run, strain, |motion| {
-                motion.participation
-            }),
+            series(0, "participation of displacements", run, strain, |motion| motion.participation),
             series(1, "of rotations", run, strain, |motion| motion.rotation_participation),
             series(2, "top tenth in D²min", run, strain, |motion| motion.d2min_top_10),
         ],

@@ -1,7 +1,7 @@
 //! Grains as spheres: a list of spheres has one size for all, so grains are binned by radius.
 
-use super::colormap::{Colormap, range_of};
 use super::Canvas;
+use super::colormap::{Colormap, range_of};
 use crate::msg::picture::Marker;
 use crate::report::Grains;
 use crate::scene::{Choice, View};
