@@ -423,7 +423,7 @@ fn live_chunks_together_are_the_whole_motion() {
             assert_eq!(numbers, (number, chunks.len()));
             assert_eq!(chunk.first_grain as usize, 450 * number);
             let mut bytes = Vec::new();
-            cdr::encode(chunk, &mut bytes).unwrap();
+            graintwin::msg::cdr::encode(chunk, &mut bytes).unwrap();
             assert!(bytes.len() < 60_000, "{}", bytes.len());
         }
         for chunk in &chunks[1..] {
