@@ -141,10 +141,10 @@ fn each_chart_is_there_as_svg_and_png_unless_one_is_asked_for() {
         ["both", "svg", "png", "again"].map(|name| folder.path().join(name));
     let files = of(&both, &[]);
     let count = |ending: &str| files.iter().filter(|file| file.ends_with(ending)).count();
-    assert_eq!((count(".svg"), count(".png"), files.len()), (11, 11, 22));
+    assert_eq!((count(".svg"), count(".png"), files.len()), (12, 12, 24));
     assert!(of(&svg, &["--format", "svg"]).iter().all(|file| file.ends_with(".svg")));
     let alone = of(&png, &["--format", "png"]);
-    assert_eq!(alone.len(), 11);
+    assert_eq!(alone.len(), 12);
     of(&again, &[]);
     for file in files {
         let name = Path::new(&file).file_name().unwrap();
