@@ -12,8 +12,9 @@ use std::path::Path;
 use std::process::Command;
 
 use graintwin::msg::picture::{Marker, MarkerArray};
+use graintwin::pack::generate::generate;
 use graintwin::report::{Demand, Measures};
-use graintwin::scene::{Choice, ColorBy, Scene, When};
+use graintwin::scene::{Choice, ColorBy, Generate, Radius, Scene, Solver, Walls, When};
 use graintwin::view::picture::{MOST_SPHERES, Painter};
 use packs::{Rig, bead, centered, made, scene};
 use serde_json::{Value, json};
@@ -225,8 +226,9 @@ fn what_was_not_measured_is_not_drawn_and_what_is_empty_is_deleted() {
 /// moved more.
 #[test]
 fn spheres_are_coloured_by_the_motion_that_is_measured_with_them() {
-    let mut pack = made(80, 2e6, 3);
-    pack.grains.iter_mut().for_each(|grain| grain.radius = 1e-4);
+    let recipe = Generate { radius: Radius::Constant(1e-4), ..packs::recipe(80, 2e6, 3) };
+    let (walls, solver) = (Walls::default(), Solver::default());
+    let mut pack = generate(&recipe, &packs::GLASS, &walls, 0.0, solver).unwrap();
     pack.grains.iter_mut().for_each(|grain| grain.friction = 0.3);
     let friction = "{friction: {coefficient: 0.3}}";
     let text = format!("pack: {{file: none.csv, material: glass}}\ncontact: {friction}\n");
@@ -236,7 +238,7 @@ fn spheres_are_coloured_by_the_motion_that_is_measured_with_them() {
         let mut twin = graintwin::twin::Twin::new(&scene, &pack, 1).unwrap();
         let only_grains = Demand { grains: true, ..Demand::NONE };
         twin.start(only_grains);
-        let command = packs::absolute(1, [1e-7, 0.0, 0.0, 0.0, 0.0, 2e-7]);
+        let command = packs::absolute(1, [1e-8, 0.0, 0.0, 0.0, 0.0, 2e-8]);
         let measures = twin.apply(&command, only_grains).measures.unwrap();
         let motion = measures.motion.as_ref().unwrap();
         let length = |vector: &[f64; 3]| vector.iter().map(|x| x * x).sum::<f64>().sqrt();

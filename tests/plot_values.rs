@@ -118,6 +118,37 @@ fn tangential_forces_have_a_distribution_of_their_own() {
 }
 
 #[test]
+fn the_motion_is_drawn_from_increment_1_on_and_its_last_distribution_of_grains_that_carry() {
+    let answers = changed(3, |measures| {
+        let increment = measures.increment as f64;
+        let state = measures.state.as_mut().unwrap();
+        state.strain[2] = 1e-2 * increment;
+        let motion = measures.motion.as_mut().unwrap();
+        motion.localisation.non_affine_ratio = 10f64.powf(increment - 1.0);
+        motion.localisation.participation = 0.1 * increment;
+        motion.localisation.d2min_top_10 = 0.2 * increment;
+        motion.localisation.band.spread = [0.25 * increment, 1.0, 2.0];
+        // Of 13 grains the even ones carry load: four of them go 3 m, three 1 m.
+        for (grain, way) in motion.non_affine.iter_mut().enumerate() {
+            *way = [0.0, if grain < 8 { 3.0 } else { -1.0 }, 0.0];
+        }
+    });
+    let svg = drawn(&answers, "motion");
+    near(&read(&svg, 1).lines[0], &[[1.0, 0.1], [2.0, 0.2], [3.0, 0.3]]);
+    near(&read(&svg, 1).lines[1], &[[1.0, 0.2], [2.0, 0.4], [3.0, 0.6]]);
+    near(&read(&svg, 2).lines[0], &[[1.0, 0.25], [2.0, 0.5], [3.0, 0.75]]);
+    near(&read(&svg, 2).lines[2], &[[1.0, 2.0], [2.0, 2.0], [3.0, 2.0]]);
+    let strains: Vec<f64> = read(&svg, 0).lines[0].iter().map(|at| at[0]).collect();
+    assert_eq!(strains.len(), 3);
+    let distribution = read(&svg, 3);
+    // Over their mean 15/7 m: 7/15 and 7/5, in the bins about 0.375 and 1.375.
+    let middles: Vec<f64> = distribution.lines[0].iter().map(|at| at[0]).collect();
+    assert!((middles[0] - 0.375).abs() < 1e-3 && (middles[1] - 1.375).abs() < 1e-3, "{middles:?}");
+    let told = distribution.texts.join(" ");
+    assert!(told.contains("Increment 3, 7 grains") && told.contains("2.143 m"), "{told}");
+}
+
+#[test]
 fn a_run_in_which_nothing_moves_is_drawn_over_the_increments() {
     let still = changed(6, |measures| {
         let state = measures.state.as_mut().unwrap();
