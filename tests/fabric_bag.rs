@@ -28,7 +28,8 @@ fn scene(friction: &str, more: &str) -> String {
 
 fn graintwin(folder: &Path, arguments: &[&str]) -> String {
     let mut command = Command::new(env!("CARGO_BIN_EXE_graintwin"));
-    let ended = command.args(arguments).current_dir(folder).env_remove("RUST_LOG").output().unwrap();
+    let ended =
+        command.args(arguments).current_dir(folder).env_remove("RUST_LOG").output().unwrap();
     assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
     String::from_utf8(ended.stdout).unwrap()
 }
@@ -63,7 +64,8 @@ fn another_program_finds_the_same_in_the_recorded_networks() {
 #[test]
 fn a_replay_makes_the_same_bits_and_copes_with_recordings_without_them() {
     let folder = tempfile::tempdir().unwrap();
-    let (bag, _) = run(folder.path(), &scene("{coefficient: 0.3}", "outputs: {chain_share: 0.25}\n"));
+    let (bag, _) =
+        run(folder.path(), &scene("{coefficient: 0.3}", "outputs: {chain_share: 0.25}\n"));
     assert_eq!(messages(&bag), 7);
     graintwin(folder.path(), &["replay", "bag", "--verify", "--threads", "2"]);
     let other = tempfile::tempdir().unwrap();

@@ -27,11 +27,14 @@ pub(crate) const LATERAL: [f64; 3] = [10e6, 0.11e9, 1.28e9];
 /// Axial over lateral stress of fig. 2.13 (b).
 pub(crate) const THESIS_RATIO: f64 = 1.39 / 1.28;
 
-/// Increments of an axial load.
-const INCREMENTS: usize = 20;
+/// Increments of an axial load, at most.
+const INCREMENTS: usize = 30;
+
+/// Axial minus lateral over mean stress at which it ends; that of fig. 2.13 (b) is 0.084.
+const END: f64 = 0.1;
 
 /// Axial strain of an increment at 10 MPa; it follows the overlaps, as the stress to the power 2/3.
-const STRAIN: f64 = 2e-4;
+const STRAIN: f64 = 3e-4;
 
 /// One equilibrium of an axial load.
 #[derive(Clone, Debug)]
@@ -116,6 +119,9 @@ fn load(seed: u64, pack: &Pack, lateral: f64) -> Vec<Point> {
             break;
         }
         course.push(point(&report));
+        if course[step].ratio > END {
+            break;
+        }
     }
     course
 }

@@ -84,11 +84,13 @@ fn directions(networks: &[Networks]) {
         ],
     );
     for (which, lateral) in LATERAL.iter().enumerate() {
-        // Rounding leaves the isotropic state beside 0.
-        for stress in [1.0 + 1e-6, 1.04, THESIS_RATIO] {
+        for stress in [1.0, 1.04, THESIS_RATIO] {
             let ratio = 3.0 * (stress - 1.0) / (stress + 2.0);
             let spread = |of: &dyn Fn(&Point) -> f64| {
-                Spread::of(curves(networks, which, of).iter().map(|curve| at(curve, ratio)))
+                // Rounding leaves the isotropic state beside 0.
+                let value =
+                    |curve: &Curve| if stress > 1.0 { at(curve, ratio) } else { curve[0][1] };
+                Spread::of(curves(networks, which, of).iter().map(value))
             };
             let cone = |largest: bool, axes: &'static [usize]| {
                 spread(&move |point: &Point| {
