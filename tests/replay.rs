@@ -146,7 +146,7 @@ fn altered(folder: &Path, change: fn(&mut Report)) -> Value {
 #[test]
 fn one_bit_in_one_field_is_found_and_named() {
     type Case = (fn(&mut Report), &'static str, &'static str);
-    let cases: [Case; 7] = [
+    let cases: [Case; 8] = [
         (
             |report| {
                 let force = &mut report.measures.as_mut().unwrap().walls.normal_force[5];

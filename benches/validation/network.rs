@@ -11,6 +11,7 @@ use graintwin::scene::Scene;
 use graintwin::twin::Twin;
 use graintwin::wall::{self, WallTarget};
 
+use crate::curve::Curve;
 use crate::specimen::{TOLERANCE, compact, scene};
 
 pub(crate) use figures::sheets;
@@ -71,6 +72,17 @@ impl Networks {
         });
         Self { seed, stages, axial: axial.into() }
     }
+}
+
+/// A value over the stress ratio of the axial load `which`, a curve for each seed. Where a
+/// rearrangement lets the ratio fall, the first value of a ratio is the one that is read.
+fn curves(networks: &[Networks], which: usize, of: impl Fn(&Point) -> f64) -> Vec<Curve> {
+    let course = |one: &Networks| -> Curve {
+        let points = one.axial[which].iter().enumerate();
+        // Rounding leaves the isotropic state beside 0.
+        points.map(|(k, point)| [if k == 0 { 0.0 } else { point.ratio }, of(point)]).collect()
+    };
+    networks.iter().map(course).collect()
 }
 
 fn smooth(seed: u64) -> Scene {
