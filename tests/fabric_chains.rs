@@ -9,7 +9,7 @@ use graintwin::measure::contacts::Contact;
 use graintwin::measure::fabric::chains::chains;
 use proptest::prelude::*;
 
-const GRAINS: u32 = 24;
+const GRAINS: u32 = 16;
 
 fn contact(first: u32, second: Other, force: f64) -> Contact {
     Contact {
@@ -40,7 +40,7 @@ fn network() -> impl Strategy<Value = Vec<Contact>> {
         };
         contact(first, second, f64::from(force))
     });
-    prop::collection::vec(one, 0..70)
+    prop::collection::vec(one, 0..40)
 }
 
 /// Grains that `contacts` reach from `start`, which is among them.
@@ -116,20 +116,12 @@ proptest! {
 
     #[test]
     fn the_order_of_the_contacts_does_not_matter(
-        contacts in network(),
-        shuffled in Just(()).prop_perturb(|(), mut random| random.next_u64()),
+        (contacts, shuffled) in network().prop_flat_map(|all| (Just(all.clone()), Just(all).prop_shuffle())),
     ) {
-        let all: Vec<&Contact> = contacts.iter().collect();
-        let mut other = all.clone();
-        other.sort_by_key(|one| {
-            shuffled.wrapping_mul(0x9e37_79b9_7f4a_7c15 ^ std::ptr::from_ref(*one) as u64)
-        });
-        let [one, two] = [&all, &other].map(|of| chains(GRAINS as usize, of, 0.3));
-        prop_assert_eq!(one.load.to_bits(), two.load.to_bits());
-        prop_assert_eq!(
-            (one.threshold, one.contacts, one.grains, one.count, one.largest, one.spans),
-            (two.threshold, two.contacts, two.grains, two.count, two.largest, two.spans)
-        );
-        prop_assert_eq!(one.strongest_path, two.strongest_path);
+        let of = |contacts: &[Contact]| {
+            chains(GRAINS as usize, &contacts.iter().collect::<Vec<_>>(), 0.3)
+        };
+        // Without a contact the load is NaN; its bits are compared as well.
+        prop_assert_eq!(format!("{:?}", of(&contacts)), format!("{:?}", of(&shuffled)));
     }
 }

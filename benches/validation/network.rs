@@ -11,6 +11,7 @@ use graintwin::scene::Scene;
 use graintwin::twin::Twin;
 use graintwin::wall::{self, WallTarget};
 
+use crate::curve::Curve;
 use crate::specimen::{TOLERANCE, compact, scene};
 
 pub(crate) use figures::sheets;
@@ -27,11 +28,14 @@ pub(crate) const LATERAL: [f64; 3] = [10e6, 0.11e9, 1.28e9];
 /// Axial over lateral stress of fig. 2.13 (b).
 pub(crate) const THESIS_RATIO: f64 = 1.39 / 1.28;
 
-/// Increments of an axial load.
-const INCREMENTS: usize = 20;
+/// Increments of an axial load, at most.
+const INCREMENTS: usize = 30;
+
+/// Axial minus lateral over mean stress at which it ends; that of fig. 2.13 (b) is 0.084.
+const END: f64 = 0.1;
 
 /// Axial strain of an increment at 10 MPa; it follows the overlaps, as the stress to the power 2/3.
-const STRAIN: f64 = 2e-4;
+const STRAIN: f64 = 3e-4;
 
 /// One equilibrium of an axial load.
 #[derive(Clone, Debug)]
@@ -68,6 +72,17 @@ impl Networks {
         });
         Self { seed, stages, axial: axial.into() }
     }
+}
+
+/// A value over the stress ratio of the axial load `which`, a curve for each seed. Where a
+/// rearrangement lets the ratio fall, the first value of a ratio is the one that is read.
+fn curves(networks: &[Networks], which: usize, of: impl Fn(&Point) -> f64) -> Vec<Curve> {
+    let course = |one: &Networks| -> Curve {
+        let points = one.axial[which].iter().enumerate();
+        // Rounding leaves the isotropic state beside 0.
+        points.map(|(k, point)| [if k == 0 { 0.0 } else { point.ratio }, of(point)]).collect()
+    };
+    networks.iter().map(course).collect()
 }
 
 fn smooth(seed: u64) -> Scene {
@@ -116,6 +131,9 @@ fn load(seed: u64, pack: &Pack, lateral: f64) -> Vec<Point> {
             break;
         }
         course.push(point(&report));
+        if course[step].ratio > END {
+            break;
+        }
     }
     course
 }

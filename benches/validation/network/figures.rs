@@ -3,8 +3,8 @@
 use graintwin::measure::coordination::Histograms;
 use graintwin::view::{Axis, Chart, Pattern, Series, Sheet, Unit};
 
-use super::{LATERAL, Networks, Point, STAGES, THESIS_RATIO};
-use crate::curve::{Curve, Spread, by_place};
+use super::{LATERAL, Networks, Point, STAGES, THESIS_RATIO, curves};
+use crate::curve::{Curve, Spread, by_place, even, over_seeds};
 use crate::figures::{drawn, guide};
 
 /// Shares of fig. 2.13 (a) and (b).
@@ -77,14 +77,12 @@ fn padded(curves: &[Curve]) -> Vec<(f64, Spread)> {
 fn directions(networks: &[Networks]) -> Sheet {
     let end = networks.iter().flat_map(|one| &one.axial).flatten().map(|at| at.ratio);
     let end = end.fold(0.0, f64::max);
+    let grid = even(0.0, end, 0.004);
     let lines = |of: &dyn Fn(&Point) -> f64| -> Vec<Series> {
         let line = |(number, lateral): (usize, &f64)| {
-            let course = |one: &Networks| {
-                one.axial[number].iter().map(|at| [at.ratio, of(at)]).collect::<Curve>()
-            };
-            let curves: Vec<Curve> = networks.iter().map(course).collect();
+            let curves = curves(networks, number, of);
             let name = format!("lateral stress {} MPa", lateral / 1e6);
-            drawn(number, &name, &by_place(&curves))
+            drawn(number, &name, &over_seeds(&curves, &grid))
         };
         LATERAL.iter().enumerate().map(line).collect()
     };

@@ -2,8 +2,8 @@
 
 use graintwin::report::Fabric;
 
-use super::{LATERAL, Networks, Point, STAGES, THESIS_RATIO};
-use crate::curve::{Curve, Spread, at};
+use super::{LATERAL, Networks, Point, STAGES, THESIS_RATIO, curves};
+use crate::curve::{Spread, at};
 use crate::tables::head;
 
 /// A grain without friction needs as many contacts.
@@ -61,14 +61,6 @@ fn coordination(networks: &[Networks]) {
     }
 }
 
-/// A value over the stress ratio of the axial load `which`, a curve for each seed.
-fn curves(networks: &[Networks], which: usize, of: impl Fn(&Point) -> f64) -> Vec<Curve> {
-    let course = |one: &Networks| -> Curve {
-        one.axial[which].iter().map(|point| [point.ratio, of(point)]).collect()
-    };
-    networks.iter().map(course).collect()
-}
-
 fn directions(networks: &[Networks]) {
     head(
         "Share within 45° of the axis [%]",
@@ -84,8 +76,7 @@ fn directions(networks: &[Networks]) {
         ],
     );
     for (which, lateral) in LATERAL.iter().enumerate() {
-        // Rounding leaves the isotropic state beside 0.
-        for stress in [1.0 + 1e-6, 1.04, THESIS_RATIO] {
+        for stress in [1.0, 1.04, THESIS_RATIO] {
             let ratio = 3.0 * (stress - 1.0) / (stress + 2.0);
             let spread = |of: &dyn Fn(&Point) -> f64| {
                 Spread::of(curves(networks, which, of).iter().map(|curve| at(curve, ratio)))

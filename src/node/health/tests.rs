@@ -25,7 +25,6 @@ fn served(disposition: Disposition, iterations: Option<u32>) -> Served {
         fabric: None,
         rearrangements: Vec::new(),
         snapshots: Vec::new(),
-        motion: None,
     });
     let report = Report {
         stamp: Stamp::default(),
