@@ -11,4 +11,5 @@ pub mod moduli;
 pub mod network;
 pub mod porosity;
 pub mod stress;
+pub mod tangent;
 pub mod walls;

@@ -27,7 +27,7 @@ pub mod transforms;
 pub use diagnostics::{DiagnosticArray, DiagnosticStatus, KeyValue};
 pub use graintwin::{
     BoundaryCommand, Circumstance, ContactNetwork, Discrepancy, Event, Moduli, PackState, Report,
-    WallForces, WallTargets,
+    Tangent, TangentModuli, WallForces, WallTargets,
 };
 pub use picture::{Marker, MarkerArray, PointCloud2};
 pub use schema::{Described, MessageType};

@@ -1,17 +1,22 @@
 //! What one increment says: the answers of the twin, in SI units, compression positive.
 
+mod tangent;
+
 use serde::Serialize;
 
 use crate::command::{Disposition, Stamp};
 use crate::wall;
+pub use tangent::{Tangent, TangentModuli};
 
 /// Which measures somebody wants; what is not wanted is not computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Demand {
     /// Stresses, porosity, coordination, energies: [`PackState`].
     pub state: bool,
-    /// Secant moduli of the interval: [`Moduli`].
+    /// Moduli, of the kind that the scene asks for: [`Moduli`].
     pub moduli: bool,
+    /// Tangent moduli, where the scene asks for that kind: [`Tangent`].
+    pub tangent: bool,
     /// Every contact: [`ContactNetwork`].
     pub contact_network: bool,
     /// Every grain: [`Grains`].
@@ -20,7 +25,8 @@ pub struct Demand {
 
 impl Demand {
     /// Everything.
-    pub const ALL: Self = Self { state: true, moduli: true, contact_network: true, grains: true };
+    pub const ALL: Self =
+        Self { state: true, moduli: true, tangent: true, contact_network: true, grains: true };
 
     /// What this or the `other` wants.
     #[must_use]
@@ -28,6 +34,7 @@ impl Demand {
         Self {
             state: self.state || other.state,
             moduli: self.moduli || other.moduli,
+            tangent: self.tangent || other.tangent,
             contact_network: self.contact_network || other.contact_network,
             grains: self.grains || other.grains,
         }
@@ -74,6 +81,8 @@ pub struct Measures {
     pub state: Option<PackState>,
     /// Present when [`Demand::moduli`] was set.
     pub moduli: Option<Moduli>,
+    /// Present when [`Demand::tangent`] was set and the scene asks for that kind of moduli.
+    pub tangent: Option<Tangent>,
     /// Present when [`Demand::contact_network`] was set.
     pub network: Option<ContactNetwork>,
     /// Present when [`Demand::grains`] was set.

@@ -1,10 +1,10 @@
 //! The tangent stiffness against differences of equilibria, and what must hold of it.
 #![allow(clippy::unwrap_used, reason = "a test that fails may panic")]
 
-#[path = "common/packs.rs"]
-mod packs;
 #[path = "common/increments.rs"]
 mod increments;
+#[path = "common/packs.rs"]
+mod packs;
 
 use graintwin::pack::Pack;
 use graintwin::relax::tangent::Stiffness;

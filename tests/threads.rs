@@ -168,6 +168,7 @@ fn twins_on_different_threads_agree_after_every_command_whatever_the_others_do()
     let demand = |k: usize| Demand {
         contact_network: k != 3,
         moduli: k != 3,
+        tangent: k != 3,
         state: k != 3,
         grains: k != 3,
     };

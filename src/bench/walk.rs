@@ -13,7 +13,8 @@ use crate::scene::Method;
 use crate::twin::{Twin, TwinError};
 
 /// What a run without subscribers is asked for.
-const DEMAND: Demand = Demand { state: true, moduli: true, contact_network: false, grains: false };
+const DEMAND: Demand =
+    Demand { state: true, moduli: true, tangent: false, contact_network: false, grains: false };
 
 /// What a walk came to; the lists have one entry an increment.
 #[derive(Debug)]

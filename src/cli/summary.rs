@@ -11,7 +11,7 @@ use serde::Serialize;
 use graintwin::command::Disposition;
 use graintwin::measure::coordination::Histograms;
 use graintwin::pack::prepare::Reached;
-use graintwin::report::{Demand, Event, Measures, Moduli, PackState, WallForces};
+use graintwin::report::{Demand, Event, Measures, Moduli, PackState, Tangent, WallForces};
 use graintwin::scene::{Friction, Loaded};
 use graintwin::sink::{Served, Sink};
 use graintwin::wall::Bounds;
@@ -78,6 +78,7 @@ struct Moment {
     wall_force_error: f64,
     state: Option<PackState>,
     moduli: Option<Moduli>,
+    tangent: Option<Tangent>,
 }
 
 /// One event and when it was.
@@ -193,6 +194,7 @@ impl Summary {
             wall_force_error: measures.wall_force_error,
             state: measures.state,
             moduli: measures.moduli,
+            tangent: measures.tangent,
         };
         self.increments = measures.increment;
         let increment = measures.increment;
@@ -214,7 +216,7 @@ impl Summary {
 
 impl Sink for &mut Summary {
     fn demand(&self) -> Demand {
-        Demand { state: true, moduli: true, contact_network: false, grains: false }
+        Demand { state: true, moduli: true, tangent: true, ..Demand::default() }
     }
 
     fn served(&mut self, served: &Arc<Served>) {

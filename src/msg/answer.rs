@@ -10,7 +10,7 @@ use super::topics::{self, Topic};
 use super::{
     BoundaryCommand, Circumstance, ContactNetwork, Described, DiagnosticArray, Discrepancy, Event,
     JointState, JointTrajectory, MarkerArray, MessageType, Moduli, PackState, PointCloud2, Report,
-    TFMessage, WallForces, WallTargets, WrenchStamped,
+    TFMessage, Tangent, WallForces, WallTargets, WrenchStamped,
 };
 use crate::command::Stamp;
 use crate::report::Measures;
@@ -84,6 +84,9 @@ fn each_measure<E>(
     if let Some(moduli) = convert::moduli(measures) {
         give(&topics::MODULI, &moduli)?;
     }
+    if let Some(tangent) = convert::tangent(measures) {
+        give(&topics::TANGENT, &tangent)?;
+    }
     // Large: not made when nobody takes it.
     if wants(&topics::CONTACT_NETWORK)
         && let Some(network) = convert::whole_network(measures)
@@ -154,7 +157,7 @@ macro_rules! outgoing {
 }
 
 outgoing!(header of BoundaryCommand, WallTargets, Circumstance, Report, WallForces, WrenchStamped,
-    JointState, JointTrajectory, PackState, Moduli, ContactNetwork, Event, Discrepancy,
+    JointState, JointTrajectory, PackState, Moduli, Tangent, ContactNetwork, Event, Discrepancy,
     DiagnosticArray, PointCloud2);
 outgoing!(Log: |message| message.stamp.into(), ParameterEvent: |message| message.stamp.into());
 outgoing!(TFMessage: |message| {

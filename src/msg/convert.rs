@@ -1,5 +1,7 @@
 //! From the twin's commands and reports to messages, and back for commands.
 
+mod tangent;
+
 use super::topics::{PACK_FRAME, VIEW_FRAME, WORLD_FRAME, wall_frame};
 use super::{
     BoundaryCommand, ContactNetwork, Discrepancy, Event, Header, JointState, Moduli, PackState,
@@ -10,6 +12,7 @@ use crate::command::{Ask, Command, Stamp};
 use crate::measure::discrepancy;
 use crate::report::{self, Measures};
 use crate::wall::{self, WallTarget};
+pub use tangent::tangent;
 
 /// Most contacts in one live [`ContactNetwork`]: 56 KB, what one sample can carry without
 /// losses over a stock receive buffer.

@@ -1,10 +1,13 @@
 //! The messages of the package `graintwin_msgs`; units, signs and meanings are in its texts.
 
+mod tangent;
+
 use serde::{Deserialize, Serialize};
 
 use super::schema::describe;
 use super::standard::{Header, Vector3};
 use crate::wall;
+pub use tangent::{Tangent, TangentModuli};
 
 /// Where the walls shall be.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

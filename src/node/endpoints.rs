@@ -13,8 +13,8 @@ use super::services::Services;
 use super::{NodeError, clock, mapping};
 use crate::msg::{
     BoundaryCommand, Clock, ContactNetwork, DiagnosticArray, Discrepancy, Event, JointState,
-    JointTrajectory, MarkerArray, Moduli, PackState, PointCloud2, Report, TFMessage, Topic,
-    WallForces, WallTargets, WrenchStamped, topics,
+    JointTrajectory, MarkerArray, Moduli, PackState, PointCloud2, Report, TFMessage, Tangent,
+    Topic, WallForces, WallTargets, WrenchStamped, topics,
 };
 use crate::{scene, wall};
 
@@ -30,6 +30,7 @@ pub(super) struct Endpoints {
     pub wall_states: Out<JointState>,
     pub state: Out<PackState>,
     pub moduli: Out<Moduli>,
+    pub tangent: Out<Tangent>,
     pub contact_network: Out<ContactNetwork>,
     pub grains: Out<PointCloud2>,
     pub markers: Out<MarkerArray>,
@@ -119,6 +120,7 @@ impl Endpoints {
             wall_states: Out::new(&mut node, identity, &topics::WALL_STATES)?,
             state: Out::new(&mut node, identity, &topics::STATE)?,
             moduli: Out::new(&mut node, identity, &topics::MODULI)?,
+            tangent: Out::new(&mut node, identity, &topics::TANGENT)?,
             contact_network: Out::new(&mut node, identity, &topics::CONTACT_NETWORK)?,
             grains: Out::new(&mut node, identity, &topics::GRAINS)?,
             markers: Out::new(&mut node, identity, &topics::MARKERS)?,
@@ -147,6 +149,7 @@ impl Endpoints {
             self.wall_states.listeners(self),
             self.state.listeners(self),
             self.moduli.listeners(self),
+            self.tangent.listeners(self),
             self.contact_network.listeners(self),
             self.grains.listeners(self),
             self.markers.listeners(self),

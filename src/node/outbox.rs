@@ -16,7 +16,7 @@ use super::endpoints::Endpoints;
 use super::frames::{Frame, Frames};
 use super::pictures::{Easel, Picture};
 use crate::msg::{
-    Discrepancy, Event, JointState, Moduli, PackState, Report, TFMessage, WallForces,
+    Discrepancy, Event, JointState, Moduli, PackState, Report, TFMessage, Tangent, WallForces,
     WrenchStamped, convert,
 };
 use crate::report::Demand;
@@ -49,6 +49,7 @@ pub(super) enum Outgoing {
     WallStates(JointState),
     State(PackState),
     Moduli(Moduli),
+    Tangent(Box<Tangent>),
     Network(Frame),
     Picture(Picture, Arc<Served>),
     Event(Event),
@@ -97,6 +98,7 @@ impl NodeSink {
             messages.push(Outgoing::WallStates(convert::wall_states(measures)));
             messages.extend(convert::pack_state(measures).map(Outgoing::State));
             messages.extend(convert::moduli(measures).map(Outgoing::Moduli));
+            messages.extend(convert::tangent(measures).map(Box::new).map(Outgoing::Tangent));
             messages.extend(convert::events(measures).map(Outgoing::Event));
         }
         messages.push(Outgoing::Report(Report::from(&served.report)));
@@ -132,7 +134,8 @@ impl Sink for NodeSink {
         Demand {
             grains: marked || clouded,
             state: marked || asked(|endpoints| endpoints.state.has_listener(endpoints)),
-            moduli: self.outputs.moduli == ModuliKind::Secant,
+            moduli: self.outputs.moduli != ModuliKind::None,
+            tangent: self.outputs.moduli.takes_tangent(),
             contact_network: when(contact_network, |endpoints| {
                 endpoints.contact_network.has_listener(endpoints)
             }) || marked && contact_network != When::Never,
@@ -226,6 +229,7 @@ impl Outbox {
             Outgoing::WallStates(_) => endpoints.wall_states.has_listener(endpoints),
             Outgoing::State(_) => endpoints.state.has_listener(endpoints),
             Outgoing::Moduli(_) => endpoints.moduli.has_listener(endpoints),
+            Outgoing::Tangent(_) => endpoints.tangent.has_listener(endpoints),
             Outgoing::Network(_) => endpoints.contact_network.has_listener(endpoints),
             Outgoing::Picture(Picture::Grains, _) => endpoints.grains.has_listener(endpoints),
             Outgoing::Picture(Picture::Markers, _) => endpoints.markers.has_listener(endpoints),
@@ -247,6 +251,7 @@ impl Outbox {
             Outgoing::WallStates(message) => endpoints.wall_states.publish(message).await,
             Outgoing::State(message) => endpoints.state.publish(message).await,
             Outgoing::Moduli(message) => endpoints.moduli.publish(message).await,
+            Outgoing::Tangent(message) => endpoints.tangent.publish(*message).await,
             Outgoing::Event(message) => endpoints.events.publish(message).await,
             Outgoing::Report(message) => endpoints.report.publish(message).await,
             Outgoing::Discrepancy(message) => match &endpoints.discrepancy {

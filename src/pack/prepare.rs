@@ -14,7 +14,8 @@ use crate::twin::{Twin, TwinError};
 use crate::wall;
 
 /// What a preparation asks of the twin.
-const STATE: Demand = Demand { state: true, moduli: false, contact_network: false, grains: false };
+const STATE: Demand =
+    Demand { state: true, moduli: false, tangent: false, contact_network: false, grains: false };
 
 /// What a preparation has reached.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -179,9 +179,8 @@ fn stiffness(
 
 /// Inward motions of the walls that are solved for \[m\].
 fn motions(frictional: bool) -> Vec<[f64; wall::COUNT]> {
-    let moves = |which: &dyn Fn(usize) -> bool| {
-        std::array::from_fn(|w| if which(w) { 1.0 } else { 0.0 })
-    };
+    let moves =
+        |which: &dyn Fn(usize) -> bool| std::array::from_fn(|w| if which(w) { 1.0 } else { 0.0 });
     match frictional {
         false => (0..3).map(|axis| moves(&|w| wall::axis(w) == axis)).collect(),
         true => (0..wall::COUNT).map(|wall| moves(&|w| w == wall)).collect(),
@@ -215,12 +214,7 @@ fn respond(
 }
 
 /// Where `walls` take the grains that carry, affinely.
-fn carried(
-    state: &State,
-    bounds: &Bounds,
-    walls: &[f64; wall::COUNT],
-    length: usize,
-) -> Vec<Vec3> {
+fn carried(state: &State, bounds: &Bounds, walls: &[f64; wall::COUNT], length: usize) -> Vec<Vec3> {
     let (low, sides) = (Vec3::from(bounds.min), Vec3::from(bounds.sides()));
     let mut carried = vec![Vec3::zeros(); length];
     for (i, at) in state.position.iter().enumerate().filter(|(i, _)| state.carries[*i]) {

@@ -26,8 +26,8 @@ use crate::state::{Remembered, State};
 pub use commit::Changes;
 pub use held::Held;
 pub(super) use held::Pose;
-pub(super) use slope::Slope;
 use held::{Midway, Pair, wall_normal};
+pub(super) use slope::Slope;
 
 /// Contacts that one task answers for, and that are answered for before their forces are added
 /// up; the bits do not depend on either.

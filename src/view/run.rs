@@ -1,6 +1,6 @@
 //! The measures of one run.
 
-use crate::msg::{ContactNetwork, Moduli, PackState, WallForces};
+use crate::msg::{ContactNetwork, Moduli, PackState, Tangent, WallForces};
 
 /// The measures between two resets of the twin, in the order of the bag. A reset takes the pack
 /// back to the start and counts the increments from 0 again.
@@ -12,6 +12,8 @@ pub struct Run {
     pub walls: Vec<WallForces>,
     /// The moduli.
     pub moduli: Vec<Moduli>,
+    /// The moduli of the states themselves.
+    pub tangents: Vec<Tangent>,
     /// The forces of the first and of the last contact network, which may be the same.
     pub networks: Option<[Forces; 2]>,
     /// What the contacts of each network carry together.
@@ -45,6 +47,7 @@ pub(super) enum Measure {
     State(PackState),
     Walls(WallForces),
     Moduli(Moduli),
+    Tangent(Box<Tangent>),
     Network(ContactNetwork),
 }
 
@@ -61,8 +64,9 @@ impl Run {
         let states = self.states.iter().map(|state| state.increment);
         let walls = self.walls.iter().map(|walls| walls.increment);
         let moduli = self.moduli.iter().map(|moduli| moduli.increment);
+        let tangents = self.tangents.iter().map(|tangent| tangent.increment);
         let networks = self.loads.iter().map(|load| load.increment);
-        let all = states.chain(walls).chain(moduli).chain(networks);
+        let all = states.chain(walls).chain(moduli).chain(tangents).chain(networks);
         all.fold(None, |range, at| {
             let (first, last) = range.unwrap_or((at, at));
             Some((first.min(at), last.max(at)))
@@ -72,7 +76,7 @@ impl Run {
     /// The equilibria that most is known of.
     pub(super) fn len(&self) -> usize {
         let measured = self.states.len().max(self.walls.len());
-        measured.max(self.moduli.len()).max(self.loads.len())
+        measured.max(self.moduli.len()).max(self.tangents.len()).max(self.loads.len())
     }
 
     /// Whether `measure` tells of a later run than the measures of its type so far.
@@ -84,6 +88,9 @@ impl Run {
             Measure::Walls(next) => (self.walls.last().map(|m| m.increment), next.increment, false),
             Measure::Moduli(next) => {
                 (self.moduli.last().map(|m| m.increment), next.increment, false)
+            }
+            Measure::Tangent(next) => {
+                (self.tangents.last().map(|m| m.increment), next.increment, false)
             }
             Measure::Network(next) => {
                 (self.loads.last().map(|m| m.increment), next.increment, next.chunk > 0)
@@ -97,6 +104,7 @@ impl Run {
             Measure::State(state) => self.states.push(state),
             Measure::Walls(walls) => self.walls.push(walls),
             Measure::Moduli(moduli) => self.moduli.push(moduli),
+            Measure::Tangent(tangent) => self.tangents.push(*tangent),
             Measure::Network(network) => self.add_network(network),
         }
     }

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use graintwin::command::{Ask, Command, Disposition, Mode, Stamp};
 use graintwin::record::Provenance;
 use graintwin::report::{
-    ContactNetwork, Event, EventKind, Measures, Moduli, PackState, Report, WallForces,
+    ContactNetwork, Event, EventKind, Measures, Moduli, PackState, Report, Tangent, TangentModuli,
+    WallForces,
 };
 use graintwin::sink::Served;
 
@@ -144,6 +145,25 @@ fn measures(stamp: Stamp, increment: u64, contacts: u32) -> Measures {
         p_speed: next(),
         s_speed: next(),
     };
+    let mut tangent_moduli = |valid| TangentModuli {
+        valid,
+        error: next(),
+        relaxed: std::array::from_fn(|_| next()),
+        affine: std::array::from_fn(|_| next()),
+        wall_stiffness: std::array::from_fn(|_| std::array::from_fn(|_| next())),
+        bulk: next(),
+        shear: -next(),
+        young: next(),
+        poisson: f64::NAN,
+        lame: next(),
+        p_wave: next(),
+        shear_pairs: std::array::from_fn(|_| next()),
+        p_speed: std::array::from_fn(|_| next()),
+        s_speed: [f64::NAN; 3],
+        isotropy_index: next(),
+    };
+    let (stands, sticks) = (tangent_moduli(true), tangent_moduli(false));
+    let tangent = Tangent { density: next(), products: 321, stands, sticks };
     let mut values = |count: u32| (0..count).map(|_| next()).collect::<Vec<f64>>();
     let network = ContactNetwork {
         first: (0..contacts).collect(),
@@ -162,6 +182,7 @@ fn measures(stamp: Stamp, increment: u64, contacts: u32) -> Measures {
         wall_force_error: 2.5e-9,
         state: Some(state),
         moduli: Some(moduli),
+        tangent: Some(tangent),
         network: Some(network),
         grains: None,
     }

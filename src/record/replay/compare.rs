@@ -183,7 +183,7 @@ fn is_command(topic: &Topic) -> bool {
 
 /// Whether a recording may have messages on `topic` for some answers only.
 fn is_on_demand(topic: &Topic) -> bool {
-    [&topics::STATE, &topics::MODULI, &topics::CONTACT_NETWORK].contains(&topic)
+    [&topics::STATE, &topics::MODULI, &topics::TANGENT, &topics::CONTACT_NETWORK].contains(&topic)
 }
 
 /// Gives the answer the time that the recorded one took: it is no part of what is compared.

@@ -75,13 +75,12 @@ impl Slope {
             + turned[1] * arm[1]
             + self.turned[0] * arm_change[0]
             + self.turned[1] * arm_change[1];
-        let slid = moved
-            - turning * normal.dot(&self.moved)
-            - normal * (turning.dot(&self.moved) + along)
-            + turning.cross(&sweep)
-            + normal.cross(&sweeping);
-        let twist = (turned[0] - turned[1]).dot(normal)
-            + (self.turned[0] - self.turned[1]).dot(&turning);
+        let slid =
+            moved - turning * normal.dot(&self.moved) - normal * (turning.dot(&self.moved) + along)
+                + turning.cross(&sweep)
+                + normal.cross(&sweeping);
+        let twist =
+            (turned[0] - turned[1]).dot(normal) + (self.turned[0] - self.turned[1]).dot(&turning);
         let change = self.turning * turning - self.stiffness * slid;
         let lever = normal.cross(force);
         let levering = turning.cross(force) + normal.cross(&change);
@@ -136,7 +135,8 @@ impl Reference {
             held.torsion_stiffness,
             torsion_limit,
         );
-        let twists_on = slides && motion.twist == 0.0 && held.carried.torsion.abs() >= torsion_limit;
+        let twists_on =
+            slides && motion.twist == 0.0 && held.carried.torsion.abs() >= torsion_limit;
         let distance = ends.branch.norm();
         let (over_distance, arm_slope) = match held.second {
             Other::Grain(_) => {
@@ -198,8 +198,7 @@ impl Held {
         let along = answer.force.dot(&motion.slid);
         if answer.slides && along != 0.0 {
             let secant = (carried - answer.force).dot(&motion.slid) / motion.slid.norm_squared();
-            let keeping =
-                Matrix3::identity() - motion.slid * answer.force.transpose() / along;
+            let keeping = Matrix3::identity() - motion.slid * answer.force.transpose() / along;
             return Derivative {
                 force: answer.force,
                 turning: keeping * turning,
