@@ -14,4 +14,5 @@ pub mod network;
 pub mod porosity;
 pub mod rearrangement;
 pub mod stress;
+pub mod tangent;
 pub mod walls;

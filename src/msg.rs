@@ -28,7 +28,7 @@ pub mod transforms;
 pub use diagnostics::{DiagnosticArray, DiagnosticStatus, KeyValue};
 pub use graintwin::{
     BoundaryCommand, Circumstance, ContactNetwork, Discrepancy, Event, Fabric, GrainMotion, Moduli,
-    PackState, Report, WallForces, WallTargets,
+    PackState, Report, Tangent, TangentModuli, WallForces, WallTargets,
 };
 pub use picture::{Marker, MarkerArray, PointCloud2};
 pub use rearrangement::{Rearrangement, Snapshot};

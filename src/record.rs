@@ -316,6 +316,7 @@ fn demand(settings: &scene::Record) -> Demand {
     let marked = settings.takes(&topics::MARKERS);
     demand.state = marked || settings.takes(&topics::STATE);
     demand.moduli = settings.takes(&topics::MODULI);
+    demand.tangent = settings.takes(&topics::TANGENT);
     demand.contact_network = marked || settings.takes(&topics::CONTACT_NETWORK);
     demand.grains = marked || settings.takes(&topics::GRAINS);
     demand.grain_motion = settings.takes(&topics::GRAIN_MOTION);

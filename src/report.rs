@@ -6,6 +6,8 @@ mod fabric;
 
 mod rearrangement;
 
+mod tangent;
+
 use serde::Serialize;
 
 use crate::command::{Disposition, Stamp};
@@ -15,14 +17,17 @@ pub use motion::{Band, GrainMotion, Localisation};
 pub use fabric::{AngularForm, ByAngle, Chains, Directions, Fabric};
 
 pub use rearrangement::{EventEnd, Rearrangement, Snapshot};
+pub use tangent::{Tangent, TangentModuli};
 
 /// Which measures somebody wants; what is not wanted is not computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Demand {
     /// Stresses, porosity, coordination, energies: [`PackState`].
     pub state: bool,
-    /// Secant moduli of the interval: [`Moduli`].
+    /// Moduli, of the kind that the scene asks for: [`Moduli`].
     pub moduli: bool,
+    /// Tangent moduli, where the scene asks for that kind: [`Tangent`].
+    pub tangent: bool,
     /// Every contact: [`ContactNetwork`].
     pub contact_network: bool,
     /// Every grain: [`Grains`].
@@ -42,6 +47,7 @@ impl Demand {
     pub const ALL: Self = Self {
         state: true,
         moduli: true,
+        tangent: true,
         contact_network: true,
         grains: true,
         grain_motion: true,
@@ -54,6 +60,7 @@ impl Demand {
     pub const NONE: Self = Self {
         state: false,
         moduli: false,
+        tangent: false,
         contact_network: false,
         grains: false,
         grain_motion: false,
@@ -68,6 +75,7 @@ impl Demand {
         Self {
             state: self.state || other.state,
             moduli: self.moduli || other.moduli,
+            tangent: self.tangent || other.tangent,
             contact_network: self.contact_network || other.contact_network,
             grains: self.grains || other.grains,
             grain_motion: self.grain_motion || other.grain_motion,
@@ -122,6 +130,8 @@ pub struct Measures {
     pub state: Option<PackState>,
     /// Present when [`Demand::moduli`] was set.
     pub moduli: Option<Moduli>,
+    /// Present when [`Demand::tangent`] was set and the scene asks for that kind of moduli.
+    pub tangent: Option<Tangent>,
     /// Present when [`Demand::contact_network`] was set.
     pub network: Option<ContactNetwork>,
     /// Present when [`Demand::grains`] was set.

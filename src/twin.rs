@@ -13,17 +13,17 @@ use crate::command::{Command, Disposition, Stamp};
 use crate::measure::contacts::Contacts;
 use crate::measure::coordination::{self, Histograms};
 use crate::measure::{
-    fabric, grains, moduli, motion, network, porosity, rearrangement, stress, walls,
+    self, fabric, grains, moduli, motion, network, porosity, rearrangement, stress, walls,
 };
 use crate::model::{Model, sphere_volume};
 use crate::pack::{Grain, History, Pack};
 use crate::relax::advance::Advance;
 use crate::relax::jump::Jump;
-use crate::relax::{Effort, Outcome, Status, Workspace, accuracy, relax};
-use crate::report::{Demand, Fabric, GrainMotion, Measures, Moduli, PackState, Report};
-use crate::scene::{Method, Scene, When};
+use crate::relax::{Effort, Outcome, Status, Workspace, accuracy, relax, tangent};
+use crate::report::{Demand, Fabric, GrainMotion, Measures, Moduli, PackState, Report, Tangent};
+use crate::scene::{Method, ModuliKind, Scene, When};
 use crate::state::State;
-use crate::wall::{self, Setpoint, WallTarget};
+use crate::wall::{self, Bounds, Setpoint, WallTarget};
 use limited::Gone;
 pub use merged::Merged;
 use past::Past;
@@ -75,6 +75,8 @@ pub struct Twin {
     shows_motion: bool,
     /// Share of the contacts that make the force chains.
     chain_share: f64,
+    /// Which moduli are asked for.
+    moduli: ModuliKind,
 }
 
 impl Twin {
@@ -116,6 +118,7 @@ impl Twin {
             shows_motion: scene.view.color.is_of_motion(),
             past: (scene.outputs.grain_motion != When::Never).then(Past::default),
             chain_share: scene.outputs.chain_share,
+            moduli: scene.outputs.moduli,
             model,
         })
     }
@@ -332,9 +335,10 @@ impl Twin {
     fn measure(&mut self, stamp: Stamp, reached: &Advance, demand: Demand) -> Measures {
         let wanted = demand.grain_motion || demand.grains && self.shows_motion;
         let motion = if wanted { self.motion() } else { None };
+        let bounds = self.state.bounds(&self.model);
+        self.work.neighbours.refresh(&self.model, &self.state.position, &bounds);
+        let tangent = self.tangent(reached, demand);
         let Self { model, state, work, .. } = self;
-        let bounds = state.bounds(model);
-        work.neighbours.refresh(model, &state.position, &bounds);
         let contacts = Contacts::of(model, state, &work.neighbours);
         let wall_forces = walls::forces(model, state, &contacts.list);
         let stress = stress::from_walls(&wall_forces, &bounds);
@@ -342,13 +346,18 @@ impl Twin {
         let normal = [stress[(0, 0)], stress[(1, 1)], stress[(2, 2)]];
         let before = std::mem::replace(&mut self.stress_strain, (normal, strain));
         let moduli = demand.moduli.then(|| {
-            if self.increment == 0 {
-                return Moduli::UNKNOWN;
+            let relaxed = tangent.as_ref().map_or([f64::NAN; 9], |tangent| tangent.stands.relaxed);
+            match &tangent {
+                Some(tangent) if self.moduli == ModuliKind::Tangent => Moduli::of_tangent(tangent),
+                _ if self.increment == 0 => Moduli { tangent: relaxed, ..Moduli::UNKNOWN },
+                _ => {
+                    let change =
+                        |now: [f64; 3], then: [f64; 3]| std::array::from_fn(|k| now[k] - then[k]);
+                    let density = density(model, &bounds);
+                    let (stress, strain) = (change(normal, before.0), change(strain, before.1));
+                    Moduli { tangent: relaxed, ..moduli::secant(stress, strain, density) }
+                }
             }
-            let change = |now: [f64; 3], then: [f64; 3]| std::array::from_fn(|k| now[k] - then[k]);
-            let mass: f64 = model.grains.iter().map(|g| g.density * sphere_volume(g.radius)).sum();
-            let density = mass / bounds.volume();
-            moduli::secant(change(normal, before.0), change(strain, before.1), density)
         });
         let grains = demand.grains.then(|| grains::grains(model, state, &contacts.list));
         let fabric =
@@ -409,6 +418,7 @@ impl Twin {
             wall_force_error: reached.wall_force_error,
             state,
             moduli,
+            tangent: tangent.filter(|_| demand.tangent),
             network: demand
                 .contact_network
                 .then(|| network::network(&self.model, contacts.counted())),
@@ -425,6 +435,17 @@ impl Twin {
         let Self { model, state, past, pool, .. } = self;
         let before = past.as_ref()?.before();
         Some(pool.install(|| motion::motion(model, before, state)))
+    }
+
+    /// The tangent moduli, when they or the moduli that hold them are wanted.
+    fn tangent(&mut self, reached: &Advance, demand: Demand) -> Option<Tangent> {
+        if !self.moduli.takes_tangent() || !(demand.moduli || demand.tangent) {
+            return None;
+        }
+        let Self { model, state, work, pool, .. } = self;
+        let found = pool.install(|| tangent::tangent(model, state, work, &reached.outcome));
+        self.spent.products += found.products;
+        Some(measure::tangent::report(&found, density(model, &state.bounds(model))))
     }
 
     /// The work done since the start.
@@ -490,6 +511,12 @@ impl Twin {
             history: self.state.history(&self.model),
         }
     }
+}
+
+/// Mass over the volume of the box \[kg/m³\].
+fn density(model: &Model, bounds: &Bounds) -> f64 {
+    let mass: f64 = model.grains.iter().map(|g| g.density * sphere_volume(g.radius)).sum();
+    mass / bounds.volume()
 }
 
 /// Whether walls shall carry loads that the scene's method cannot balance.

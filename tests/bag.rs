@@ -19,7 +19,7 @@ use graintwin::msg::{
     JointTrajectoryPoint, KeyValue, Vector3, Wrench, WrenchStamped, convert,
 };
 use graintwin::record::{Recorded, Recorder};
-use graintwin::report::{AngularForm, Measures};
+use graintwin::report::{AngularForm, Measures, TangentModuli};
 use graintwin::scene::{Compression, Record};
 use graintwin::sink::{Beside, Recording, Served, Sink};
 use graintwin::wall;
@@ -162,6 +162,38 @@ fn expected_measures(measures: &Measures) -> Vec<Value> {
                 "lame": number(moduli.lame),
                 "p_wave": number(moduli.p_wave),
                 "tangent": numbers(&moduli.tangent),
+            }),
+        ),
+    ));
+    let tangent = measures.tangent.unwrap();
+    let part = |of: &TangentModuli| {
+        json!({
+            "valid": of.valid,
+            "error": number(of.error),
+            "relaxed": numbers(&of.relaxed),
+            "affine": numbers(&of.affine),
+            "wall_stiffness": numbers(&of.wall_stiffness.concat()),
+            "bulk": number(of.bulk),
+            "shear": number(of.shear),
+            "young": number(of.young),
+            "poisson": number(of.poisson),
+            "lame": number(of.lame),
+            "p_wave": number(of.p_wave),
+            "shear_pairs": numbers(&of.shear_pairs),
+            "p_speed": numbers(&of.p_speed),
+            "s_speed": numbers(&of.s_speed),
+            "isotropy_index": number(of.isotropy_index),
+        })
+    };
+    messages.push(message(
+        "tangent",
+        &merged(
+            common("pack"),
+            json!({
+                "density": number(tangent.density),
+                "products": tangent.products,
+                "stands": part(&tangent.stands),
+                "sticks": part(&tangent.sticks),
             }),
         ),
     ));
@@ -369,6 +401,7 @@ fn two_independent_readers_find_every_field_of_every_message() {
             "/graintwin/report",
             "/graintwin/snapshots",
             "/graintwin/state",
+            "/graintwin/tangent",
             "/graintwin/wall/x_max/wrench",
             "/graintwin/wall/x_min/wrench",
             "/graintwin/wall/y_max/wrench",

@@ -18,8 +18,8 @@ use graintwin::msg::{
     BoundaryCommand, Circumstance, Clock, ContactNetwork, Described, DiagnosticArray,
     DiagnosticStatus, Discrepancy, Duration, Event, Fabric, GrainMotion, Header, JointState,
     JointTrajectory, JointTrajectoryPoint, KeyValue, Moduli, PackState, Quaternion, Rearrangement,
-    Report, Snapshot, TFMessage, Time, Transform, TransformStamped, Vector3, WallForces,
-    WallTargets, Wrench, WrenchStamped,
+    Report, Snapshot, TFMessage, Tangent, TangentModuli, Time, Transform, TransformStamped,
+    Vector3, WallForces, WallTargets, Wrench, WrenchStamped,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -89,6 +89,34 @@ fn moduli() -> Moduli {
         lame: 4e9,
         p_wave: 5e9,
         tangent: [0.5; 9],
+    }
+}
+
+fn tangent() -> Tangent {
+    let part = |valid, from: f64| TangentModuli {
+        valid,
+        error: 1e-11,
+        relaxed: std::array::from_fn(|k| from + k as f64),
+        affine: std::array::from_fn(|k| from - k as f64),
+        wall_stiffness: (0..36).map(|k| from * f64::from(k)).collect(),
+        bulk: from,
+        shear: -from,
+        young: 3e9,
+        poisson: 0.2,
+        lame: 4e9,
+        p_wave: 5e9,
+        shear_pairs: [1e9, 2e9, 3e9],
+        p_speed: [700.0, 800.0, 900.0],
+        s_speed: [400.0, 500.0, 600.0],
+        isotropy_index: 0.97,
+    };
+    Tangent {
+        header: header("pack"),
+        increment: 5,
+        density: 1600.5,
+        products: 1 << 40,
+        stands: part(true, 1.5),
+        sticks: part(false, -2.5),
     }
 }
 
@@ -363,6 +391,8 @@ fn bytes_hashes_and_definitions_are_those_of_an_independent_implementation() {
     exchange.add(wall_forces());
     exchange.add(pack_state());
     exchange.add(moduli());
+    exchange.add(tangent());
+    exchange.add(Tangent::default());
     for contacts in [0, 1, 2, 5] {
         exchange.add(contact_network(contacts));
         exchange.add(grain_motion(contacts));

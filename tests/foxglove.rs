@@ -160,7 +160,7 @@ fn networks_and_grains_are_asked_for_while_somebody_looks_at_markers() {
     let scene = scene::parse(ONE_GRAIN, Path::new("scene.yaml")).unwrap();
     let bounds = Bounds { min: [-1e-3; 3], max: [1e-3; 3] };
     let sink = server.sink(Painter::new(&scene, &bounds, 1)).unwrap();
-    let small = Demand { state: true, moduli: true, ..Demand::default() };
+    let small = Demand { state: true, moduli: true, tangent: true, ..Demand::default() };
     assert_eq!(sink.demand(), small);
     let address = server.address().to_string();
     let viewer = Viewer::start(&python, &address, 1, &["/graintwin/markers", "/graintwin/report"]);

@@ -21,8 +21,8 @@ use graintwin::msg::{
     BoundaryCommand, Circumstance, Clock, ContactNetwork, Described, DiagnosticArray,
     DiagnosticStatus, Discrepancy, Duration, Event, Fabric, GrainMotion, Header, JointState,
     JointTrajectory, JointTrajectoryPoint, KeyValue, Moduli, PackState, Quaternion, Rearrangement,
-    Report, Snapshot, TFMessage, Time, Transform, TransformStamped, Vector3, WallForces,
-    WallTargets, Wrench, WrenchStamped, topics,
+    Report, Snapshot, TFMessage, Tangent, TangentModuli, Time, Transform, TransformStamped,
+    Vector3, WallForces, WallTargets, Wrench, WrenchStamped, topics,
 };
 use graintwin::report::{self, ContactState, EventEnd, EventKind, Measures};
 use graintwin::wall::{self, WallTarget};
@@ -85,6 +85,8 @@ fn every_struct_has_the_fields_of_its_text() {
     assert_same_fields::<WallForces>();
     assert_same_fields::<PackState>();
     assert_same_fields::<Moduli>();
+    assert_same_fields::<Tangent>();
+    assert_same_fields::<TangentModuli>();
     assert_same_fields::<ContactNetwork>();
     assert_same_fields::<GrainMotion>();
     assert_same_fields::<Report>();
@@ -172,6 +174,8 @@ fn every_message_text_is_built_by_the_package_and_has_a_struct() {
         WallForces::TYPE,
         PackState::TYPE,
         Moduli::TYPE,
+        Tangent::TYPE,
+        TangentModuli::TYPE,
         ContactNetwork::TYPE,
         GrainMotion::TYPE,
         Report::TYPE,
@@ -340,6 +344,7 @@ fn measures(contacts: u32) -> Measures {
         wall_force_error: 1.2e-9,
         state: None,
         moduli: None,
+        tangent: None,
         network: Some(report::ContactNetwork {
             first: (0..contacts).collect(),
             second: (0..contacts).map(|i| i + 1).collect(),
@@ -549,6 +554,7 @@ fn measures_nobody_asked_for_make_no_message() {
     assert_eq!(convert::moduli(&measures), None);
     assert_eq!(convert::whole_motion(&measures), None);
     assert_eq!(convert::fabric(&measures), None);
+    assert_eq!(convert::tangent(&measures), None);
 }
 
 /// A force F at the centre of the wall x_max, 2 m from the centre of the box along x, turns about

@@ -306,7 +306,12 @@ fn node() -> impl Strategy<Value = Node> {
 
 fn service() -> impl Strategy<Value = (Outputs, Node, Record)> {
     let when = prop::sample::select(vec![When::Always, When::OnDemand, When::Never]);
-    let moduli = prop::sample::select(vec![ModuliKind::Secant, ModuliKind::None]);
+    let moduli = prop::sample::select(vec![
+        ModuliKind::Secant,
+        ModuliKind::Tangent,
+        ModuliKind::Both,
+        ModuliKind::None,
+    ]);
     let measures = (when.clone(), when.clone(), when.clone(), when.clone());
     let outputs = (when.clone(), when, moduli, measures, 1e-9..1.0);
     let outputs = outputs.prop_map(|(contact_network, markers, moduli, measures, chain_share)| {

@@ -49,6 +49,9 @@ impl Variant {
 /// Nothing but wall forces, which are always there.
 const NOTHING: Demand = Demand::NONE;
 
+/// Tangent moduli, which take scenes that ask for them.
+const TANGENT: Demand = Demand { tangent: true, ..NOTHING };
+
 /// Every variant; the first is the one with everything off.
 pub(crate) fn variants() -> Vec<Variant> {
     let physics = |feature, setting, physics| Variant {
@@ -83,6 +86,7 @@ pub(crate) fn variants() -> Vec<Variant> {
         physics("gravity", "on: 9.81 m/s²", "gravity: [0.0, 0.0, -9.81]\n"),
         asked("state measures", Demand { state: true, ..NOTHING }),
         asked("moduli", Demand { moduli: true, ..NOTHING }),
+        Variant { demand: TANGENT, ..physics("tangent moduli", "on", "outputs: {moduli: both}\n") },
         asked("contact network", Demand { contact_network: true, ..NOTHING }),
         asked("grains", Demand { grains: true, ..NOTHING }),
         asked("motion of the grains", Demand { grain_motion: true, ..NOTHING }),

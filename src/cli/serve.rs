@@ -168,10 +168,8 @@ pub(super) fn demand(outputs: Outputs, sinks: &[Box<dyn Sink + '_>]) -> Demand {
 pub(super) fn ordered(outputs: Outputs, wanted: Demand) -> Demand {
     Demand {
         state: wanted.state,
-        moduli: match outputs.moduli {
-            ModuliKind::Secant => wanted.moduli,
-            ModuliKind::None => false,
-        },
+        moduli: wanted.moduli && outputs.moduli != ModuliKind::None,
+        tangent: wanted.tangent && outputs.moduli.takes_tangent(),
         contact_network: when(outputs.contact_network, wanted.contact_network),
         grains: when(outputs.markers, wanted.grains),
         grain_motion: when(outputs.grain_motion, wanted.grain_motion),

@@ -12,7 +12,7 @@ use graintwin::command::Disposition;
 use graintwin::measure::coordination::Histograms;
 use graintwin::pack::prepare::Reached;
 use graintwin::report::{
-    Demand, Event, Fabric, Localisation, Measures, Moduli, PackState, WallForces,
+    Demand, Event, Fabric, Localisation, Measures, Moduli, PackState, Tangent, WallForces,
 };
 use graintwin::scene::{Friction, Loaded, Outputs, When};
 use graintwin::sink::{Served, Sink};
@@ -85,6 +85,7 @@ struct Moment {
     wall_force_error: f64,
     state: Option<PackState>,
     moduli: Option<Moduli>,
+    tangent: Option<Tangent>,
 }
 
 /// One event and when it was.
@@ -204,6 +205,7 @@ impl Summary {
             wall_force_error: measures.wall_force_error,
             state: measures.state,
             moduli: measures.moduli,
+            tangent: measures.tangent,
         };
         self.increments = measures.increment;
         let increment = measures.increment;
@@ -225,7 +227,7 @@ impl Summary {
 
 impl Sink for &mut Summary {
     fn demand(&self) -> Demand {
-        Demand { state: true, moduli: true, ..Demand::NONE }
+        Demand { state: true, moduli: true, tangent: true, ..Demand::NONE }
     }
 
     fn served(&mut self, served: &Arc<Served>) {

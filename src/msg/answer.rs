@@ -11,7 +11,7 @@ use super::topics::{self, Topic};
 use super::{
     BoundaryCommand, Circumstance, ContactNetwork, Described, DiagnosticArray, Discrepancy, Event,
     Fabric, GrainMotion, JointState, JointTrajectory, MarkerArray, MessageType, Moduli, PackState,
-    PointCloud2, Report, TFMessage, WallForces, WallTargets, WrenchStamped,
+    PointCloud2, Report, TFMessage, Tangent, WallForces, WallTargets, WrenchStamped,
 };
 use crate::command::Stamp;
 use crate::report::Measures;
@@ -84,6 +84,9 @@ fn each_measure<E>(
     }
     if let Some(moduli) = convert::moduli(measures) {
         give(&topics::MODULI, &moduli)?;
+    }
+    if let Some(tangent) = convert::tangent(measures) {
+        give(&topics::TANGENT, &tangent)?;
     }
     // Large: not made when nobody takes it.
     if wants(&topics::CONTACT_NETWORK)
@@ -171,7 +174,7 @@ macro_rules! outgoing {
 }
 
 outgoing!(header of BoundaryCommand, WallTargets, Circumstance, Report, WallForces, WrenchStamped,
-    JointState, JointTrajectory, PackState, Moduli, ContactNetwork, GrainMotion, Event, Discrepancy, Fabric,
+    JointState, JointTrajectory, PackState, Moduli, ContactNetwork, GrainMotion, Event, Discrepancy, Fabric, Tangent,
     DiagnosticArray, PointCloud2);
 outgoing!(header of Rearrangement, Snapshot);
 outgoing!(Log: |message| message.stamp.into(), ParameterEvent: |message| message.stamp.into());

@@ -8,6 +8,8 @@ mod fabric;
 
 pub use fabric::fabric;
 
+mod tangent;
+
 use super::topics::{PACK_FRAME, VIEW_FRAME, WORLD_FRAME, wall_frame};
 use super::{
     BoundaryCommand, ContactNetwork, Discrepancy, Event, Header, JointState, Moduli, PackState,
@@ -18,6 +20,7 @@ use crate::command::{Ask, Command, Stamp};
 use crate::measure::discrepancy;
 use crate::report::{self, Measures};
 use crate::wall::{self, WallTarget};
+pub use tangent::tangent;
 
 /// Most contacts in one live [`ContactNetwork`]: 56 KB, what one sample can carry without
 /// losses over a stock receive buffer.

@@ -4,6 +4,8 @@ mod grain_motion;
 
 mod fabric;
 
+mod tangent;
+
 use serde::{Deserialize, Serialize};
 
 pub use grain_motion::GrainMotion;
@@ -11,6 +13,7 @@ pub use grain_motion::GrainMotion;
 use super::schema::describe;
 use super::standard::{Header, Vector3};
 use crate::wall;
+pub use tangent::{Tangent, TangentModuli};
 
 pub use fabric::Fabric;
 

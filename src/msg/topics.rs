@@ -6,7 +6,7 @@ use super::schema::{Described, MessageType};
 use super::{
     BoundaryCommand, Circumstance, ContactNetwork, DiagnosticArray, Discrepancy, Event, Fabric,
     GrainMotion, JointState, JointTrajectory, MarkerArray, Moduli, PackState, PointCloud2, Report,
-    TFMessage, WallForces, WallTargets, WrenchStamped,
+    TFMessage, Tangent, WallForces, WallTargets, WrenchStamped,
 };
 use crate::wall;
 
@@ -130,6 +130,8 @@ pub static WALL_STATES: Topic = Topic::new("wall_states", JointState::TYPE, 64);
 pub static STATE: Topic = Topic::new("state", PackState::TYPE, 64);
 /// Out: [`Moduli`], kept for whoever comes later.
 pub static MODULI: Topic = Topic::new("moduli", Moduli::TYPE, 1).latched();
+/// Out: [`Tangent`], kept for whoever comes later.
+pub static TANGENT: Topic = Topic::new("tangent", Tangent::TYPE, 1).latched();
 /// Out: [`ContactNetwork`].
 pub static CONTACT_NETWORK: Topic = Topic::new("contact_network", ContactNetwork::TYPE, 64);
 /// Out: [`GrainMotion`].
@@ -178,6 +180,7 @@ pub fn measures() -> impl Iterator<Item = &'static Topic> {
         &WALL_STATES,
         &STATE,
         &MODULI,
+        &TANGENT,
         &CONTACT_NETWORK,
         &GRAIN_MOTION,
         &FABRIC,

@@ -14,7 +14,8 @@ use super::{NodeError, clock, mapping};
 use crate::msg::{
     BoundaryCommand, Clock, ContactNetwork, DiagnosticArray, Discrepancy, Event, Fabric,
     GrainMotion, JointState, JointTrajectory, MarkerArray, Moduli, PackState, PointCloud2,
-    Rearrangement, Report, TFMessage, Topic, WallForces, WallTargets, WrenchStamped, topics,
+    Rearrangement, Report, TFMessage, Tangent, Topic, WallForces, WallTargets, WrenchStamped,
+    topics,
 };
 use crate::{scene, wall};
 
@@ -30,6 +31,7 @@ pub(super) struct Endpoints {
     pub wall_states: Out<JointState>,
     pub state: Out<PackState>,
     pub moduli: Out<Moduli>,
+    pub tangent: Out<Tangent>,
     pub contact_network: Out<ContactNetwork>,
     pub grain_motion: Out<GrainMotion>,
     pub grains: Out<PointCloud2>,
@@ -122,6 +124,7 @@ impl Endpoints {
             wall_states: Out::new(&mut node, identity, &topics::WALL_STATES)?,
             state: Out::new(&mut node, identity, &topics::STATE)?,
             moduli: Out::new(&mut node, identity, &topics::MODULI)?,
+            tangent: Out::new(&mut node, identity, &topics::TANGENT)?,
             contact_network: Out::new(&mut node, identity, &topics::CONTACT_NETWORK)?,
             grain_motion: Out::new(&mut node, identity, &topics::GRAIN_MOTION)?,
             grains: Out::new(&mut node, identity, &topics::GRAINS)?,
@@ -153,6 +156,7 @@ impl Endpoints {
             self.wall_states.listeners(self),
             self.state.listeners(self),
             self.moduli.listeners(self),
+            self.tangent.listeners(self),
             self.contact_network.listeners(self),
             self.grain_motion.listeners(self),
             self.grains.listeners(self),

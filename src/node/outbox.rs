@@ -17,8 +17,8 @@ use super::frames::{Frame, Frames};
 use super::pictures::{Easel, Picture};
 use crate::msg::rearrangement::{self, LIVE_CONTACTS, LIVE_GRAINS, Rearrangement};
 use crate::msg::{
-    Discrepancy, Event, Fabric, JointState, Moduli, PackState, Report, TFMessage, WallForces,
-    WrenchStamped, convert,
+    Discrepancy, Event, Fabric, JointState, Moduli, PackState, Report, TFMessage, Tangent,
+    WallForces, WrenchStamped, convert,
 };
 use crate::report::Demand;
 use crate::scene::{ModuliKind, Outputs, When};
@@ -50,6 +50,7 @@ pub(super) enum Outgoing {
     WallStates(JointState),
     State(PackState),
     Moduli(Moduli),
+    Tangent(Box<Tangent>),
     Frame(Frame),
     Picture(Picture, Arc<Served>),
     Event(Event),
@@ -101,6 +102,7 @@ impl NodeSink {
             messages.extend(convert::pack_state(measures).map(Outgoing::State));
             messages.extend(convert::moduli(measures).map(Outgoing::Moduli));
             messages.extend(convert::fabric(measures).map(Outgoing::Fabric));
+            messages.extend(convert::tangent(measures).map(Box::new).map(Outgoing::Tangent));
             messages.extend(convert::events(measures).map(Outgoing::Event));
             let chunks = rearrangement::chunks(measures, LIVE_GRAINS, LIVE_CONTACTS);
             messages.extend(chunks.map(Outgoing::Rearrangement));
@@ -142,7 +144,8 @@ impl Sink for NodeSink {
                 endpoints.grain_motion.has_listener(endpoints)
             }),
             state: marked || asked(|endpoints| endpoints.state.has_listener(endpoints)),
-            moduli: self.outputs.moduli == ModuliKind::Secant,
+            moduli: self.outputs.moduli != ModuliKind::None,
+            tangent: self.outputs.moduli.takes_tangent(),
             contact_network: when(contact_network, |endpoints| {
                 endpoints.contact_network.has_listener(endpoints)
             }) || marked && contact_network != When::Never,
@@ -242,6 +245,7 @@ impl Outbox {
             Outgoing::WallStates(_) => endpoints.wall_states.has_listener(endpoints),
             Outgoing::State(_) => endpoints.state.has_listener(endpoints),
             Outgoing::Moduli(_) => endpoints.moduli.has_listener(endpoints),
+            Outgoing::Tangent(_) => endpoints.tangent.has_listener(endpoints),
             Outgoing::Frame(frame) => frame.has_listener(endpoints),
             Outgoing::Picture(Picture::Grains, _) => endpoints.grains.has_listener(endpoints),
             Outgoing::Picture(Picture::Markers, _) => endpoints.markers.has_listener(endpoints),
@@ -265,6 +269,7 @@ impl Outbox {
             Outgoing::WallStates(message) => endpoints.wall_states.publish(message).await,
             Outgoing::State(message) => endpoints.state.publish(message).await,
             Outgoing::Moduli(message) => endpoints.moduli.publish(message).await,
+            Outgoing::Tangent(message) => endpoints.tangent.publish(*message).await,
             Outgoing::Event(message) => endpoints.events.publish(message).await,
             Outgoing::Fabric(message) => endpoints.fabric.publish(message).await,
             Outgoing::Rearrangement(message) => endpoints.rearrangements.publish(message).await,

@@ -24,8 +24,20 @@ pub enum ModuliKind {
     /// Hooke fit of each interval (T 2.15).
     #[default]
     Secant,
+    /// Of the state itself.
+    Tangent,
+    /// Both; the scalars of `~/moduli` are those of the interval.
+    Both,
     /// None.
     None,
+}
+
+impl ModuliKind {
+    /// Whether those of the state are among them.
+    #[must_use]
+    pub fn takes_tangent(self) -> bool {
+        matches!(self, Self::Tangent | Self::Both)
+    }
 }
 
 /// What is computed.

@@ -30,11 +30,6 @@ const TABLE: &[Row] = &[
         text: "this version has no cemented and no linear contacts; allowed: hertz",
     },
     Row {
-        keys: &["outputs", "moduli"],
-        value: Value::Words(&["tangent", "both"]),
-        text: "this version computes no tangent moduli; allowed: secant, none",
-    },
-    Row {
         keys: &["node", "topics"],
         value: Value::Any,
         text: "this version maps no topics; the names are those of the node; allowed: no such key",

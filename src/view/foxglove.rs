@@ -178,6 +178,7 @@ impl Sink for LiveSink {
         Demand {
             state: true,
             moduli: true,
+            tangent: true,
             contact_network: marked || asked(&topics::CONTACT_NETWORK),
             grains: marked || asked(&topics::GRAINS),
             grain_motion: asked(&topics::GRAIN_MOTION),

@@ -69,6 +69,7 @@ impl History {
         let measure = (self.decode(message).map(Measure::State))
             .or_else(|| self.decode(message).map(Measure::Walls))
             .or_else(|| self.decode(message).map(Measure::Moduli))
+            .or_else(|| self.decode(message).map(Box::new).map(Measure::Tangent))
             .or_else(|| self.decode(message).map(Measure::Network))
             .or_else(|| self.decode(message).map(Box::new).map(Measure::Motion))
             .or_else(|| self.decode(message).map(Measure::Fabric))

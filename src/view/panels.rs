@@ -34,6 +34,7 @@ pub fn sheets(history: &History, title: &str) -> Vec<(&'static str, Sheet)> {
     let volume = volume::change(run, &strain);
     let moduli = moduli::moduli(run, &strain);
     let ratio = moduli::poisson(run, &strain);
+    let tangent = moduli::tangent(run, &strain);
     let coordination = measures::coordination(run, &strain);
     let friction = friction::mobilised(run, &strain);
     let forces = contacts::normal(run);
@@ -58,7 +59,7 @@ pub fn sheets(history: &History, title: &str) -> Vec<(&'static str, Sheet)> {
         ("stress_path", vec![measures::path(run)]),
         ("volume_change", vec![volume, volume::porosity(run, &strain)]),
         ("wall_forces", vec![walls]),
-        ("moduli", vec![moduli, ratio]),
+        ("moduli", vec![moduli, tangent, ratio]),
         ("coordination", vec![coordination]),
         ("friction", vec![friction]),
         ("energy", vec![energy::energy(run, &strain)]),

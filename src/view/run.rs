@@ -2,7 +2,8 @@
 
 use super::motions::Motions;
 use crate::msg::{
-    ContactNetwork, Event, Fabric, GrainMotion, Moduli, PackState, Rearrangement, WallForces,
+    ContactNetwork, Event, Fabric, GrainMotion, Moduli, PackState, Rearrangement, Tangent,
+    WallForces,
 };
 
 /// The measures between two resets of the twin, in the order of the bag. A reset takes the pack
@@ -17,6 +18,8 @@ pub struct Run {
     pub moduli: Vec<Moduli>,
     /// Statistics of the force network.
     pub fabrics: Vec<Fabric>,
+    /// The moduli of the states themselves.
+    pub tangents: Vec<Tangent>,
     /// The forces of the first and of the last contact network, which may be the same.
     pub networks: Option<[Forces; 2]>,
     /// What the contacts of each network carry together.
@@ -56,6 +59,7 @@ pub(super) enum Measure {
     State(PackState),
     Walls(WallForces),
     Moduli(Moduli),
+    Tangent(Box<Tangent>),
     Network(ContactNetwork),
     Motion(Box<GrainMotion>),
     Fabric(Fabric),
@@ -76,10 +80,17 @@ impl Run {
         let states = self.states.iter().map(|state| state.increment);
         let walls = self.walls.iter().map(|walls| walls.increment);
         let moduli = self.moduli.iter().map(|moduli| moduli.increment);
+        let tangents = self.tangents.iter().map(|tangent| tangent.increment);
         let networks = self.loads.iter().map(|load| load.increment);
         let motions = self.motions.whole.iter().map(|motion| motion.increment);
         let fabrics = self.fabrics.iter().map(|fabric| fabric.increment);
-        let all = states.chain(walls).chain(moduli).chain(networks).chain(motions).chain(fabrics);
+        let all = states
+            .chain(walls)
+            .chain(moduli)
+            .chain(tangents)
+            .chain(networks)
+            .chain(motions)
+            .chain(fabrics);
         all.fold(None, |range, at| {
             let (first, last) = range.unwrap_or((at, at));
             Some((first.min(at), last.max(at)))
@@ -91,6 +102,7 @@ impl Run {
         let measured = self.states.len().max(self.walls.len());
         measured
             .max(self.moduli.len())
+            .max(self.tangents.len())
             .max(self.loads.len())
             .max(self.motions.whole.len())
             .max(self.fabrics.len())
@@ -109,6 +121,9 @@ impl Run {
             Measure::Fabric(next) => {
                 (self.fabrics.last().map(|m| m.increment), next.increment, false)
             }
+            Measure::Tangent(next) => {
+                (self.tangents.last().map(|m| m.increment), next.increment, false)
+            }
             Measure::Network(next) => {
                 (self.loads.last().map(|m| m.increment), next.increment, next.chunk > 0)
             }
@@ -124,6 +139,7 @@ impl Run {
             Measure::State(state) => self.states.push(state),
             Measure::Walls(walls) => self.walls.push(walls),
             Measure::Moduli(moduli) => self.moduli.push(moduli),
+            Measure::Tangent(tangent) => self.tangents.push(*tangent),
             Measure::Network(network) => self.add_network(network),
             Measure::Motion(motion) => self.motions.add(*motion),
             Measure::Fabric(fabric) => self.fabrics.push(fabric),

@@ -9,7 +9,7 @@ use graintwin::command::{Ask, Command, Disposition, Mode, Stamp};
 use graintwin::record::Provenance;
 use graintwin::report::{
     Band, ContactNetwork, Event, EventEnd, EventKind, GrainMotion, Localisation, Measures, Moduli,
-    PackState, Rearrangement, Report, Snapshot, WallForces,
+    PackState, Rearrangement, Report, Snapshot, Tangent, TangentModuli, WallForces,
 };
 use graintwin::sink::Served;
 
@@ -176,6 +176,25 @@ fn measures(stamp: Stamp, increment: u64, contacts: u32) -> Measures {
         s_speed: next(),
     };
     let fabric = made_up_fabric::fabric(&mut next);
+    let mut tangent_moduli = |valid| TangentModuli {
+        valid,
+        error: next(),
+        relaxed: std::array::from_fn(|_| next()),
+        affine: std::array::from_fn(|_| next()),
+        wall_stiffness: std::array::from_fn(|_| std::array::from_fn(|_| next())),
+        bulk: next(),
+        shear: -next(),
+        young: next(),
+        poisson: f64::NAN,
+        lame: next(),
+        p_wave: next(),
+        shear_pairs: std::array::from_fn(|_| next()),
+        p_speed: std::array::from_fn(|_| next()),
+        s_speed: [f64::NAN; 3],
+        isotropy_index: next(),
+    };
+    let (stands, sticks) = (tangent_moduli(true), tangent_moduli(false));
+    let tangent = Tangent { density: next(), products: 321, stands, sticks };
     let mut values = |count: u32| (0..count).map(|_| next()).collect::<Vec<f64>>();
     let network = ContactNetwork {
         first: (0..contacts).collect(),
@@ -225,6 +244,7 @@ fn measures(stamp: Stamp, increment: u64, contacts: u32) -> Measures {
         wall_force_error: 2.5e-9,
         state: Some(state),
         moduli: Some(moduli),
+        tangent: Some(tangent),
         network: Some(network),
         grains: None,
         motion: Some(motion),

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use graintwin::command::{Command, Disposition, Mode, Stamp};
 use graintwin::report::{
     Band, ContactNetwork, Demand, Event, EventKind, GrainMotion, Localisation, Measures, Moduli,
-    PackState, Report, WallForces,
+    PackState, Report, Tangent, TangentModuli, WallForces,
 };
 use graintwin::sink::Served;
 
@@ -113,6 +113,27 @@ impl MadeUpTwin {
                 tangent: from_fn(|i| if i == 4 { f64::NAN } else { n.next() }),
                 p_speed: n.next(),
                 s_speed: n.next(),
+            }),
+            tangent: demand.tangent.then(|| {
+                let mut part = || TangentModuli {
+                    valid: n.index().is_multiple_of(2),
+                    error: n.next(),
+                    relaxed: from_fn(|_| n.next()),
+                    affine: from_fn(|_| n.next()),
+                    wall_stiffness: from_fn(|_| from_fn(|_| n.next())),
+                    bulk: n.next(),
+                    shear: n.next(),
+                    young: f64::NAN,
+                    poisson: n.next(),
+                    lame: n.next(),
+                    p_wave: n.next(),
+                    shear_pairs: from_fn(|_| n.next()),
+                    p_speed: from_fn(|_| n.next()),
+                    s_speed: from_fn(|_| n.next()),
+                    isotropy_index: n.next(),
+                };
+                let (stands, sticks) = (part(), part());
+                Tangent { density: n.next(), products: n.index().into(), stands, sticks }
             }),
             network: demand.contact_network.then(|| ContactNetwork {
                 first: (0..contacts).map(|_| n.index()).collect(),

@@ -106,6 +106,7 @@ fn expected_json(served: &[Arc<Served>]) -> String {
     topic("wall_states", json(all().map(convert::wall_states)));
     topic("state", json(all().filter_map(convert::pack_state)));
     topic("moduli", json(all().filter_map(convert::moduli)));
+    topic("tangent", json(all().filter_map(convert::tangent)));
     topic("contact_network", json(all().filter_map(convert::whole_network)));
     topic("grain_motion", json(all().filter_map(convert::whole_motion)));
     topic("fabric", json(all().filter_map(convert::fabric)));

@@ -108,6 +108,35 @@ class Moduli(IdlStruct, typename="graintwin_msgs.msg.dds_.Moduli_"):
 
 
 @dataclass
+class TangentModuli(IdlStruct, typename="graintwin_msgs.msg.dds_.TangentModuli_"):
+    valid: bool
+    error: float64
+    relaxed: array[float64, 9]
+    affine: array[float64, 9]
+    wall_stiffness: sequence[float64]
+    bulk: float64
+    shear: float64
+    young: float64
+    poisson: float64
+    lame: float64
+    p_wave: float64
+    shear_pairs: array[float64, 3]
+    p_speed: array[float64, 3]
+    s_speed: array[float64, 3]
+    isotropy_index: float64
+
+
+@dataclass
+class Tangent(IdlStruct, typename="graintwin_msgs.msg.dds_.Tangent_"):
+    header: Header
+    increment: uint64
+    density: float64
+    products: uint64
+    stands: TangentModuli
+    sticks: TangentModuli
+
+
+@dataclass
 class ContactNetwork(IdlStruct, typename="graintwin_msgs.msg.dds_.ContactNetwork_"):
     header: Header
     increment: uint64
@@ -415,6 +444,7 @@ OUT = {
     "wall_states": Out(JointState, 20000),
     "state": Out(PackState, 20000),
     "moduli": Out(Moduli, 20000, latched=True),
+    "tangent": Out(Tangent, 20000, latched=True),
     "contact_network": Out(ContactNetwork, 2000),
     "grain_motion": Out(GrainMotion, 2000),
     "events": Out(Event, 20000),

@@ -107,7 +107,8 @@ def with_rosbags():
             assert alone.hash_rihs01(connection.msgtype) == connection.digest, connection.topic
             assert connection.ext.serialization_format == "cdr"
             (qos,) = connection.ext.offered_qos_profiles
-            latched = connection.topic in ("/graintwin/moduli", "/rosout", "/tf_static")
+            latched = connection.topic in (
+                "/graintwin/moduli", "/graintwin/tangent", "/rosout", "/tf_static")
             assert qos.durability.name == ("TRANSIENT_LOCAL" if latched else "VOLATILE"), qos
             assert qos.reliability.name == "RELIABLE" and qos.history.name == "KEEP_LAST", qos
             assert qos.depth > 0, qos

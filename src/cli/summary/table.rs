@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use graintwin::report::Moduli;
+use graintwin::report::{Moduli, Tangent};
 use graintwin::wall;
 
 use super::{Moment, Summary};
@@ -145,12 +145,29 @@ fn rows(start: &Moment, end: &Moment, frictional: bool) -> Vec<Row> {
         let known = |moment: &Moment| moment.moduli.as_ref().map(of);
         rows.push((name, unit, known(start), known(end)));
     };
-    add("K, last interval", "GPa", |moduli| moduli.bulk * 1e-9);
+    // No interval ends at the start.
+    let of_states = start.moduli.is_some_and(|moduli| moduli.valid);
+    let bulk = if of_states { "K, of the state" } else { "K, last interval" };
+    add(bulk, "GPa", |moduli| moduli.bulk * 1e-9);
     add("G", "GPa", |moduli| moduli.shear * 1e-9);
     add("E", "GPa", |moduli| moduli.young * 1e-9);
     add("Poisson's ratio", "", |moduli| moduli.poisson);
     add("Lamé's lambda", "GPa", |moduli| moduli.lame * 1e-9);
     add("P-wave modulus", "GPa", |moduli| moduli.p_wave * 1e-9);
+    if end.tangent.is_none() {
+        return rows;
+    }
+    let mut add = |name, unit, of: fn(&Tangent) -> f64| {
+        let known = |moment: &Moment| moment.tangent.as_ref().map(of);
+        rows.push((name, unit, known(start), known(end)));
+    };
+    add("K, tangent", "GPa", |tangent| tangent.stands.bulk * 1e-9);
+    add("G, tangent", "GPa", |tangent| tangent.stands.shear * 1e-9);
+    add("K, all stick", "GPa", |tangent| tangent.sticks.bulk * 1e-9);
+    add("G, all stick", "GPa", |tangent| tangent.sticks.shear * 1e-9);
+    add("P-wave speed, z", "m/s", |tangent| tangent.sticks.p_speed[2]);
+    add("S-wave speed, zx", "m/s", |tangent| tangent.sticks.s_speed[2]);
+    add("isotropy index", "", |tangent| tangent.stands.isotropy_index);
     rows
 }
 

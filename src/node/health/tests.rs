@@ -19,6 +19,7 @@ fn served(disposition: Disposition, iterations: Option<u32>) -> Served {
         wall_force_error: 0.0,
         state: Some(PackState { iterations, residual: 1e-9, ..PackState::default() }),
         moduli: None,
+        tangent: None,
         network: None,
         grains: None,
         motion: None,

@@ -186,6 +186,7 @@ fn is_on_demand(topic: &Topic) -> bool {
     [
         &topics::STATE,
         &topics::MODULI,
+        &topics::TANGENT,
         &topics::CONTACT_NETWORK,
         &topics::GRAIN_MOTION,
         &topics::FABRIC,

@@ -65,6 +65,7 @@ impl Step {
         Demand {
             state: has(&topics::STATE) || marked,
             moduli: has(&topics::MODULI),
+            tangent: has(&topics::TANGENT),
             contact_network: has(&topics::CONTACT_NETWORK) || marked,
             grains: has(&topics::GRAINS) || marked,
             grain_motion: has(&topics::GRAIN_MOTION),

@@ -7,9 +7,10 @@ use crate::relax::balance::{Balance, Configuration};
 use crate::relax::coupled::Coupled;
 use crate::relax::linear::{Inner, Linear};
 
-/// Reduction of the residual that is asked of one solve, and most products of it.
+/// Reduction of the residual that is asked of one solve, most products of it, and of all.
 const FORCING: f64 = 0.01;
-const MOST_PRODUCTS: u32 = 2000;
+const MOST_PRODUCTS: u32 = 500;
+const BUDGET: u64 = 10_000;
 /// Shifts that are tried in turn, over the mean sum of P/r of a grain. Without friction the
 /// linear system is that of the energy, and a state that needs more than the second, which is what
 /// single precision cannot tell, is no minimum.
@@ -69,12 +70,16 @@ impl Preconditioner {
         self.linear.products + self.coupled.products
     }
 
-    /// What solves for `right`, nearly; `None` where the state is no minimum.
+    /// What solves for `right`, nearly; `None` where the state is no minimum, or where it took too
+    /// much.
     pub(super) fn solve(&mut self, right: &[Vec3]) -> Option<Vec<Vec3>> {
         let gradient: Vec<Vec3> = right.iter().map(|r| -r).collect();
         let (forces, moments) = gradient.split_at(self.grains);
         let largest = right.iter().map(Vec3::norm).fold(0.0, f64::max);
         let shifts = if self.frictional { SHIFTS.len() } else { SHIFTS_OF_A_MINIMUM };
+        if self.products() > BUDGET {
+            return None;
+        }
         loop {
             let inner = match self.frictional {
                 false => self.linear.solve(forces, largest, FORCING, MOST_PRODUCTS),
@@ -83,7 +88,7 @@ impl Preconditioner {
             if inner == Inner::Step {
                 return Some(self.step(largest / self.reference_stiffness));
             }
-            if self.shift + 1 == shifts {
+            if self.shift + 1 == shifts || self.products() > BUDGET {
                 return None;
             }
             self.shift += 1;

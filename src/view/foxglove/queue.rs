@@ -146,7 +146,8 @@ fn light(served: &Served) -> Served {
     let Report { stamp, sequence, increment, disposition, substeps, .. } = served.report;
     let (session, text) = (served.report.session.clone(), served.report.text.clone());
     let measures = served.report.measures.as_ref().map(|measures| {
-        let Measures { stamp, increment, walls, wall_force_error, state, moduli, .. } = *measures;
+        let Measures { stamp, increment, walls, wall_force_error, state, moduli, tangent, .. } =
+            *measures;
         let events = measures.events.clone();
         let (network, grains, motion) = (None, None, None);
         Measures {
@@ -157,6 +158,7 @@ fn light(served: &Served) -> Served {
             wall_force_error,
             state,
             moduli,
+            tangent,
             network,
             grains,
             motion,

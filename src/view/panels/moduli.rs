@@ -62,8 +62,9 @@ impl<'a> Abscissa<'a> {
     }
 
     fn series(&self, number: usize, name: &str, run: &Run, value: Value) -> Series {
-        // At the start there was no interval yet.
-        let later = run.moduli.iter().filter(|moduli| moduli.increment > 0);
+        // At the start there was no interval yet: moduli that are known there are of the states.
+        let of_states = run.moduli.first().is_some_and(|first| first.increment == 0 && first.valid);
+        let later = run.moduli.iter().filter(|moduli| moduli.increment > 0 && !of_states);
         Series::new(number, name, later.map(|moduli| [self.at(moduli.increment), value(moduli)]))
     }
 }
@@ -83,6 +84,31 @@ pub(super) fn moduli(run: &Run, strain: &Strain) -> Chart {
     };
     keep_typical(&mut chart, WHY);
     chart
+}
+
+type OfState = fn(&msg::Tangent) -> f64;
+
+const OF_STATE: [(&str, OfState); 4] = [
+    ("K, all stick", |tangent| tangent.sticks.bulk),
+    ("G, all stick", |tangent| tangent.sticks.shear),
+    ("K, as they stand", |tangent| tangent.stands.bulk),
+    ("G, as they stand", |tangent| tangent.stands.shear),
+];
+
+/// Those of the states themselves.
+pub(super) fn tangent(run: &Run, strain: &Strain) -> Chart {
+    let abscissa = Abscissa::of(run, strain);
+    let line = |(number, (name, value)): (usize, &(&str, OfState))| {
+        let points = run.tangents.iter().map(|one| [abscissa.at(one.increment), value(one)]);
+        Series::new(number, name, points)
+    };
+    Chart {
+        title: format!("Tangent moduli against {}", abscissa.name()),
+        x: abscissa.axis(),
+        y: Axis::linear("tangent modulus", Unit::Si("Pa")),
+        series: OF_STATE.iter().enumerate().map(line).collect(),
+        notes: vec!["Of each state: sliding contacts as they stand, and with all sticking.".into()],
+    }
 }
 
 /// Poisson's ratio.
