@@ -53,16 +53,16 @@ fn agree() {
     }
 }
 
-/// Packs for each stress in the table of detection, and increments of each.
-const DETECTED: (u64, u32) = (20, 100);
+/// Friction, packs for each stress and increments of each in the table of detection.
+const DETECTED: [(f64, u64, u32); 2] = [(0.0, 20, 100), (0.3, 5, 40)];
 
 fn detect() {
     println!(
         "| friction | increments | event in both | program alone | flow alone | ended elsewhere | failed |"
     );
     println!("| --- | --- | --- | --- | --- | --- | --- |");
-    for friction in [0.0, 0.3] {
-        let seen = detection::detect(DETECTED.0, DETECTED.1, friction);
+    for (friction, packs, increments) in DETECTED {
+        let seen = detection::detect(packs, increments, friction);
         println!(
             "| {friction} | {} | {} | {} | {} | {} | {} |",
             seen.increments,

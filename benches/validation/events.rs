@@ -8,6 +8,7 @@ mod tables;
 
 use std::path::Path;
 
+use graintwin::report::Demand;
 use graintwin::wall;
 
 pub(crate) use course::{Course, Point};
@@ -32,10 +33,11 @@ pub(crate) struct Seed {
 impl Seed {
     fn run(seed: u64) -> Self {
         let up = (1..=ISOTROPIC).map(|k| [STEP * f64::from(k); wall::COUNT / 2]);
-        let loading = Course::run(306, seed, 1e6, &up.collect::<Vec<_>>());
+        let loading = Course::run((306, seed), 1e6, &up.collect::<Vec<_>>(), Demand::ALL);
         let there_and_back = (1..=CYCLE).chain((0..CYCLE).rev());
         let cycle = there_and_back.map(|k| POLYAXIAL.map(|axis| axis * CYCLE_STEP * f64::from(k)));
-        let cycle = Course::run(2740, seed, 4e6, &cycle.collect::<Vec<_>>());
+        let state = Demand { state: true, ..Demand::NONE };
+        let cycle = Course::run((2740, seed), 4e6, &cycle.collect::<Vec<_>>(), state);
         Self { seed, loading, cycle }
     }
 }

@@ -31,7 +31,7 @@ pub(super) fn svg(course: &Course) -> String {
          <text class=\"heading\" x=\"{left}\" y=\"38\">Grains and force chains around a jump \
          (thesis fig. 2.11)</text>\n\
          <text class=\"note\" x=\"{left}\" y=\"58\">306 glass beads, isotropic loading in increments \
-         of 5e-5; the grain that jumps in brown; lines: contacts with the largest tenth of all \
+         of 5e-5; the grain that jumps in brown, dashed where it was; lines: contacts with the largest tenth of all \
          forces, as wide as their force.</text>\n",
         width - 1.0,
         height - 1.0,
@@ -40,6 +40,18 @@ pub(super) fn svg(course: &Course) -> String {
     for (k, point) in course.points[at - 2..=at + 1].iter().enumerate() {
         let left = GAP + k as f64 * (PANEL + GAP);
         panel(&mut svg, &view, course, point, [left, HEAD]);
+        if k == 2 {
+            let was = course.points[at - 1].positions()[view.grain];
+            let [x, y] = view.pixel(was, [left, HEAD]);
+            write(
+                &mut svg,
+                format_args!(
+                    "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{:.1}\" fill=\"none\" \
+                     stroke=\"#8c510a\" stroke-width=\"1.6\" stroke-dasharray=\"4 3\"/>\n",
+                    view.scale() * course.radius[view.grain]
+                ),
+            );
+        }
         let stress = point.state().confining_stress / 1e6;
         let event = if k == 2 { ", after the event" } else { "" };
         write(
@@ -148,7 +160,7 @@ fn panel(svg: &mut String, view: &View, course: &Course, point: &Point, corner: 
         let [first, second] = [network.first[contact], network.second[contact]];
         let Some(other) = positions.get(second as usize) else { continue };
         let ends = [positions[first as usize], *other];
-        if *force < least || !ends.iter().all(|at| view.holds(*at)) {
+        if *force < least || !ends.iter().any(|at| view.holds(*at)) {
             continue;
         }
         let [from, to] = ends.map(|at| view.pixel(at, corner));

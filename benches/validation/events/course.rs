@@ -50,8 +50,14 @@ impl Point {
 }
 
 impl Course {
-    /// A pack of `grains` glass beads, pressed to `stress` \[Pa\], through `strains`.
-    pub(crate) fn run(grains: usize, seed: u64, stress: f64, strains: &[[f64; 3]]) -> Self {
+    /// A pack of `grains` glass beads, pressed to `stress` \[Pa\], through `strains`; what is
+    /// `kept` of each equilibrium.
+    pub(crate) fn run(
+        (grains, seed): (usize, u64),
+        stress: f64,
+        strains: &[[f64; 3]],
+        kept: Demand,
+    ) -> Self {
         let text = format!(
             "pack: {{generate: {{grains: {grains}, radius: {{uniform: [0.07e-3, 0.13e-3]}}, \
              material: glass, seed: {seed}, confining_stress: {LOOSE:e}}}}}"
@@ -66,7 +72,7 @@ impl Course {
                 .expect("the pack can be compacted");
         }
         let mut twin = Twin::new(&scene, &pack, 1).expect("the pack has grains");
-        let start = twin.start(Demand::ALL).measures.expect("the pack is in equilibrium");
+        let start = twin.start(kept).measures.expect("the pack is in equilibrium");
         let mut points = vec![Point { strain: [0.0; 3], measures: start, substeps: 0 }];
         let sides = pack.bounds.sides();
         for (strain, sequence) in strains.iter().zip(1..) {
@@ -80,7 +86,7 @@ impl Course {
                 ask: Ask::Displacement(displacement),
                 age: None,
             };
-            let report = twin.apply(&command, Demand::ALL);
+            let report = twin.apply(&command, kept);
             let measures = report.measures.unwrap_or_else(|| panic!("{}", report.text));
             points.push(Point { strain: *strain, measures, substeps: report.substeps });
         }

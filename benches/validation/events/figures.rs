@@ -5,6 +5,8 @@ use graintwin::view::{Axis, Chart, Pattern, Series, Sheet, Stroke, Unit};
 use super::{Point, Seed};
 
 const MARK: Stroke = Stroke { color: "#a50f15", width: 2.4, pattern: Pattern::Dots };
+/// An event is marked on the cycle that released this share of what all did.
+const LARGE: f64 = 0.02;
 /// Points of the zoom on each side of the event.
 const NEAR: usize = 6;
 
@@ -24,7 +26,7 @@ pub(super) fn loading(seeds: &[Seed]) -> Sheet {
         vec![Series::new(0, &format!("seed {}", seeds[0].seed), near.iter().map(mean_stress))];
     zoom.push(marks("events", near.iter(), mean_stress));
     let four = course.points[at - 2..=at + 1].iter().map(mean_stress);
-    let ring = Stroke { color: "#e69f00", width: 3.4, pattern: Pattern::Dots };
+    let ring = Stroke { color: "#e69f00", width: 5.0, pattern: Pattern::Dots };
     zoom.insert(1, Series { stroke: ring, ..Series::new(1, "configurations 1 to 4", four) });
     let chart = |title: &str, series| Chart {
         title: title.into(),
@@ -49,6 +51,7 @@ pub(super) fn loading(seeds: &[Seed]) -> Sheet {
 pub(super) fn hysteresis(seed: &Seed) -> Sheet {
     let points = &seed.cycle.points;
     let turn = points.len() / 2;
+    let least = LARGE * points[points.len() - 1].state().event_energy;
     let mut lines: Vec<Series> = Vec::new();
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
         let along = |point: &Point| [point.strain[axis], point.stress()[axis]];
@@ -57,8 +60,8 @@ pub(super) fn hysteresis(seed: &Seed) -> Sheet {
             Series::new(axis, &format!("σ{name}, unloading"), points[turn..].iter().map(along));
         down.stroke.pattern = Pattern::Dashed;
         lines.extend([up, down]);
-        let name = if axis == 0 { "events" } else { "" };
-        lines.push(marks(name, points.iter(), along));
+        let name = if axis == 0 { "large events" } else { "" };
+        lines.push(marks(name, points.iter().filter(|point| released(point) > least), along));
     }
     let work = seed.cycle.work();
     let start = points[0].state().stored_energy;
@@ -73,7 +76,8 @@ pub(super) fn hysteresis(seed: &Seed) -> Sheet {
         title: "A polyaxial cycle without friction (thesis fig. 2.12)".into(),
         subtitle: format!(
             "2740 glass beads, seed {}, from 4 MPa: strains in the ratio 0.6 : 0.8 : 1 up to 1 % \
-             and back, in increments of 1e-4.",
+             and back, in increments of 1e-4; marked are increments whose events released more \
+             than 2 % of what all did.",
             seed.seed
         ),
         charts: vec![
@@ -106,6 +110,11 @@ pub(super) fn hysteresis(seed: &Seed) -> Sheet {
 
 fn mean_stress(point: &Point) -> [f64; 2] {
     [point.volumetric(), point.state().confining_stress]
+}
+
+/// Energy that the events on the way to a point released \[J\].
+fn released(point: &Point) -> f64 {
+    point.measures.events.iter().map(|event| event.energy_released).sum()
 }
 
 /// Marks on the points with an event.
