@@ -79,7 +79,9 @@ impl Cells {
                 let x = span(0);
                 let first = self.start[self.index([x.start, y, z])] as usize;
                 let last = self.start[self.index([x.end - 1, y, z]) + 1] as usize;
-                self.grains[first..last].iter().copied().for_each(&mut visit);
+                for &grain in &self.grains[first..last] {
+                    visit(grain);
+                }
             }
         }
     }

@@ -70,10 +70,7 @@ pub fn deformations(grains: &Grains<'_>) -> Vec<Deformation> {
         let mut near = Vec::new();
         for (k, deformation) in deformations.iter_mut().enumerate() {
             let i = chunk * CHUNK + k;
-            near.clear();
-            cells.for_each_near(&grains.position[i], |j| {
-                near.extend(grains.neighbour(i, j as usize, gap));
-            });
+            grains.neighbours(&cells, i, gap, &mut near);
             *deformation = deformation_of(&near);
         }
     });
@@ -90,11 +87,18 @@ struct Neighbour {
 }
 
 impl Grains<'_> {
-    fn neighbour(&self, i: usize, j: usize, gap: f64) -> Option<Neighbour> {
-        let from = self.position[j] - self.position[i];
-        let reach = self.radius[i] + self.radius[j] + gap;
-        let near = i != j && self.carries[j] && from.norm_squared() < reach * reach;
-        near.then(|| Neighbour { from, moved: self.displacement[j] - self.displacement[i] })
+    /// Lists in `near` the neighbours of grain `i`, whose surfaces are closer than `gap` \[m\].
+    fn neighbours(&self, cells: &Cells, i: usize, gap: f64, near: &mut Vec<Neighbour>) {
+        let (at, moved, reach) = (self.position[i], self.displacement[i], self.radius[i] + gap);
+        near.clear();
+        cells.for_each_near(&at, |j| {
+            let j = j as usize;
+            let from = self.position[j] - at;
+            let reach = reach + self.radius[j];
+            if from.norm_squared() < reach * reach && self.carries[j] && j != i {
+                near.push(Neighbour { from, moved: self.displacement[j] - moved });
+            }
+        });
     }
 }
 
