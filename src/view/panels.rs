@@ -59,7 +59,7 @@ pub fn sheets(history: &History, title: &str) -> Vec<(&'static str, Sheet)> {
         ("stress_path", vec![measures::path(run)]),
         ("volume_change", vec![volume, volume::porosity(run, &strain)]),
         ("wall_forces", vec![walls]),
-        ("moduli", vec![moduli, tangent, ratio]),
+        ("moduli", vec![moduli, ratio, tangent]),
         ("coordination", vec![coordination]),
         ("friction", vec![friction]),
         ("energy", vec![energy::energy(run, &strain)]),

@@ -5,6 +5,8 @@ use crate::Vec3;
 
 /// Directions kept before a restart.
 const DIRECTIONS: usize = 24;
+/// A product that points back along its direction by less than this share is rounding.
+const ROUNDING: f64 = 1e-10;
 
 /// What a solve came to.
 pub(super) struct Solution {
@@ -43,7 +45,8 @@ pub(super) fn solve(
             spent += 1;
             let Some(direction) = precondition(&cycle.basis[cycle.basis.len() - 1]) else { break };
             let product = times(&direction);
-            solution.concave |= dot(&direction, &product) < 0.0;
+            let back = -dot(&direction, &product);
+            solution.concave |= back > ROUNDING * norm(&direction) * norm(&product);
             if !cycle.take(direction, product) {
                 break;
             }
