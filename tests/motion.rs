@@ -36,7 +36,13 @@ fn squeezed(bounds: &Bounds, step: u32) -> [f64; wall::COUNT] {
 }
 
 fn frictional_scene() -> Scene {
-    frictional(1e-10, MU, Law::ReturnMap, Update::Frozen)
+    moving(frictional(1e-10, MU, Law::ReturnMap, Update::Frozen))
+}
+
+/// The scene with the motion of the grains.
+fn moving(mut scene: Scene) -> Scene {
+    scene.outputs.grain_motion = When::OnDemand;
+    scene
 }
 
 fn rough_pack(grains: usize, seed: u64) -> Pack {
@@ -193,7 +199,7 @@ fn the_motions_of_all_increments_add_up_to_the_whole_way_whatever_was_refused_be
 #[test]
 fn a_command_that_finds_no_equilibrium_leaves_the_motion_as_it_was() {
     let pack = made(120, 2e6, 4);
-    let mut scene = scene();
+    let mut scene = moving(scene());
     let (mut rig, _) = Rig::start(&scene, &pack);
     rig.go(squeezed(&pack.bounds, 1));
     let before = bits(&rig.twin.motion().unwrap());
@@ -216,7 +222,7 @@ fn a_command_that_finds_no_equilibrium_leaves_the_motion_as_it_was() {
 #[test]
 fn a_ball_between_plates_turns_as_the_moments_of_its_contacts_ask() {
     let (radius, overlap, density, gravity) = (0.01, 1e-4, 1100.0, 100.0);
-    let mut scene = frictional(1e-13, MU, Law::ReturnMap, Update::Frozen);
+    let mut scene = moving(frictional(1e-13, MU, Law::ReturnMap, Update::Frozen));
     let pull = gravity * 0.5f64.sqrt();
     scene.gravity = [pull, 0.0, -pull];
     let (young, poisson) = (1e7, 0.3);
@@ -369,7 +375,8 @@ fn numpy_finds_the_same_in_a_recording() {
     let scene = "pack: {generate: {grains: 400, radius: {uniform: [0.7e-3, 1.3e-3]}, \
          material: glass, confining_stress: 2.0e6}}\n\
          contact: {friction: {coefficient: 0.3}}\n\
-         load_path: [uniaxial: {axis: z, strain: 1.0e-3, increments: 6}]\n";
+         load_path: [uniaxial: {axis: z, strain: 1.0e-3, increments: 6}]\n\
+         outputs: {grain_motion: on_demand}\n";
     let summary = recorded(folder.path(), scene);
     let end = &summary["grain_motion"];
     assert!(end["participation"].as_f64().is_some_and(|part| part > 0.0 && part < 1.0), "{end}");
@@ -386,7 +393,7 @@ fn numpy_finds_the_same_in_a_recording() {
     assert!(said["floating"].as_u64().is_some_and(|floating| floating > 0), "{said}");
 }
 
-/// `never`: neither computed nor recorded nor in the summary, and the run is the same.
+/// Without `outputs.grain_motion`: neither computed nor recorded nor in the summary, and the run is the same.
 #[cfg(feature = "mcap")]
 #[test]
 fn a_recording_without_the_motion_verifies_and_is_of_the_same_run() {
@@ -399,9 +406,9 @@ fn a_recording_without_the_motion_verifies_and_is_of_the_same_run() {
     };
     let mut digests = Vec::new();
     for (more, messages, known) in [
-        ("", 4, true),
-        ("outputs: {grain_motion: never}\n", 0, false),
-        ("record: {exclude: [grain_motion]}\n", 0, true),
+        ("outputs: {grain_motion: on_demand}\n", 4, true),
+        ("", 0, false),
+        ("outputs: {grain_motion: on_demand}\nrecord: {exclude: [grain_motion]}\n", 0, true),
     ] {
         let folder = tempfile::tempdir().unwrap();
         let summary = recorded(folder.path(), &scene(more));

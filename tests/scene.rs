@@ -40,7 +40,7 @@ gravity: [0.0, 0.0, 0.0]
 solver: {method: newton, tolerance: 1.0e-8, max_strain_increment: 1.0e-4}
 load_path:
   - uniaxial: {axis: z, strain: 1.0e-3, increments: 10}
-outputs: {contact_network: on_demand, markers: on_demand, grain_motion: on_demand, moduli: secant}
+outputs: {contact_network: on_demand, markers: on_demand, moduli: secant}
 node: {discovery: localhost, stale_after: 0.0}
 record: {chunk: 4 MiB, compression: zstd}
 ";

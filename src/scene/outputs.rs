@@ -48,7 +48,8 @@ pub struct Outputs {
     pub contact_network: When,
     /// Pictures for viewers: the grains, and markers.
     pub markers: When,
-    /// Displacements and rotations of the grains in each increment.
+    /// Displacements and rotations of the grains in each increment. Never, unless the scene asks:
+    /// they take a tenth of a small increment, which every recording would.
     pub grain_motion: When,
     /// Moduli.
     pub moduli: ModuliKind,
@@ -68,7 +69,7 @@ impl Default for Outputs {
         Self {
             contact_network: When::default(),
             markers: When::default(),
-            grain_motion: When::default(),
+            grain_motion: When::Never,
             moduli: ModuliKind::default(),
             fabric: When::default(),
             chain_share: 0.1,

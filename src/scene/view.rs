@@ -72,7 +72,7 @@ impl Default for View {
 impl View {
     pub(super) fn check(&self, at: &Field, outputs: &Outputs, problems: &mut Problems) {
         if self.color.is_of_motion() && outputs.grain_motion == When::Never {
-            let text = "shows the motion of the grains, which outputs.grain_motion: never forbids";
+            let text = "shows the motion of the grains; allowed with outputs.grain_motion: on_demand or always";
             problems.add(at.key("color"), text);
         }
         if let Choice::Given(scale) = self.scale {
