@@ -11,7 +11,7 @@ use crate::view::unit::Unit;
 const UNIFORM: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 
 /// Places of a curve over the angle.
-const STEPS: u32 = 45;
+const STEPS: u32 = 180;
 
 fn over_strain(
     number: usize,
@@ -81,7 +81,7 @@ pub(super) fn stress_ratio(run: &Run, strain: &Strain) -> Chart {
             measured,
             over_strain(1, "2/5 (a_c + a_n + 3/2 a_t)", run, strain, of_contacts),
         ],
-        notes: Vec::new(),
+        notes: vec!["Apart where long contacts carry more, and by the contacts with walls.".into()],
     }
 }
 
