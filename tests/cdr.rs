@@ -10,6 +10,7 @@ use std::fmt::Debug;
 use std::path::Path;
 
 use graintwin::msg::cdr::{self, CdrError};
+use graintwin::msg::convert::LIVE_GRAINS;
 use graintwin::msg::picture::{
     ColorRGBA, CompressedImage, Marker, MarkerArray, MeshFile, Point, PointCloud2, PointField,
     Pose, UVCoordinate,
@@ -472,6 +473,16 @@ fn bytes_hashes_and_definitions_are_those_of_an_independent_implementation() {
     for (check, answer) in exchange.checks.iter().zip(&answers) {
         check(answer);
     }
+}
+
+/// What one sample can carry without losses is 60 KB.
+#[test]
+fn a_live_chunk_of_a_motion_fits_into_a_sample() {
+    let grains = LIVE_GRAINS as u32;
+    let rotation = vec![0.5; 3 * LIVE_GRAINS];
+    let mut bytes = Vec::new();
+    cdr::encode(&GrainMotion { rotation, ..grain_motion(grains) }, &mut bytes).unwrap();
+    assert!((54_000..60_000).contains(&bytes.len()), "{}", bytes.len());
 }
 
 #[test]

@@ -109,7 +109,7 @@ impl NodeSink {
         }
         messages.push(Outgoing::Report(Report::from(&served.report)));
         self.counters.queued.fetch_add(messages.len() as u64, Ordering::Relaxed);
-        messages.extend(self.frames.take(served).into_iter().map(Outgoing::Frame));
+        messages.extend(self.frames.take(served).map(Outgoing::Frame));
         if self.draws && served.report.measures.as_ref().is_some_and(|one| one.grains.is_some()) {
             let pictures = [Picture::Grains, Picture::Markers];
             messages.extend(pictures.map(|one| Outgoing::Picture(one, Arc::clone(served))));

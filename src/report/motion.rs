@@ -29,8 +29,8 @@ pub struct GrainMotion {
     pub localisation: Localisation,
 }
 
-/// How unevenly motion is spread over the grains that carry load. NaN where nothing moved, and for
-/// rotations without friction.
+/// How unevenly motion is spread over the grains that carry load. What cannot be told is NaN:
+/// quotients where nothing moved, all when no grain carries load, rotations without friction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Localisation {
     /// Root mean square of the affine displacement against the centre of the box \[m\].
