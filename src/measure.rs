@@ -1,7 +1,10 @@
-//! What an equilibrium tells: wall forces, stress, strain, moduli, porosity, coordination.
+//! What an equilibrium tells: wall forces, stress, strain, moduli, porosity, coordination, the force
+//! network, what events did, and how the grains moved.
 //!
-//! Everything is computed from the load-carrying contacts of one state, listed once. Beside it, how
-//! that compares with what a real rig measures ([`discrepancy`]).
+//! Nearly everything is computed from the load-carrying contacts of one state, listed once. Beside it,
+//! how that compares with what a real rig measures ([`discrepancy`]).
+
+use nalgebra::Matrix3;
 
 pub mod contacts;
 pub mod coordination;
@@ -16,3 +19,8 @@ pub mod rearrangement;
 pub mod stress;
 pub mod tangent;
 pub mod walls;
+
+/// The entries of a tensor row by row, as reports and messages have them.
+pub(crate) fn row_major(m: &Matrix3<f64>) -> [f64; 9] {
+    std::array::from_fn(|k| m[(k / 3, k % 3)])
+}

@@ -1,6 +1,7 @@
 //! The one door: [`Twin::apply`] takes a command and returns a report.
 
 mod limited;
+mod measured;
 mod merged;
 mod past;
 mod requests;
@@ -10,20 +11,15 @@ use sha2::{Digest, Sha256};
 
 use crate::command::gate::{Decision, Gate, Order, join};
 use crate::command::{Command, Disposition, Stamp};
-use crate::measure::contacts::Contacts;
-use crate::measure::coordination::{self, Histograms};
-use crate::measure::{
-    self, fabric, grains, moduli, motion, network, porosity, rearrangement, stress, walls,
-};
-use crate::model::{Model, sphere_volume};
+use crate::model::Model;
 use crate::pack::{Grain, History, Pack};
 use crate::relax::advance::Advance;
 use crate::relax::jump::Jump;
-use crate::relax::{Effort, Outcome, Status, Workspace, accuracy, relax, tangent};
-use crate::report::{Demand, Fabric, GrainMotion, Measures, Moduli, PackState, Report, Tangent};
+use crate::relax::{Effort, Outcome, Status, Workspace, accuracy, relax};
+use crate::report::{Demand, Report};
 use crate::scene::{Method, ModuliKind, Scene, When};
 use crate::state::State;
-use crate::wall::{self, Bounds, Setpoint, WallTarget};
+use crate::wall::{self, Setpoint, WallTarget};
 use limited::Gone;
 pub use merged::Merged;
 use past::Past;
@@ -332,122 +328,6 @@ impl Twin {
         }
     }
 
-    fn measure(&mut self, stamp: Stamp, reached: &Advance, demand: Demand) -> Measures {
-        let wanted = demand.grain_motion || demand.grains && self.shows_motion;
-        let motion = if wanted { self.motion() } else { None };
-        let bounds = self.state.bounds(&self.model);
-        self.work.neighbours.refresh(&self.model, &self.state.position, &bounds);
-        let tangent = self.tangent(reached, demand);
-        let Self { model, state, work, .. } = self;
-        let contacts = Contacts::of(model, state, &work.neighbours);
-        let wall_forces = walls::forces(model, state, &contacts.list);
-        let stress = stress::from_walls(&wall_forces, &bounds);
-        let strain = stress::engineering_strain(&bounds, &model.reference);
-        let normal = [stress[(0, 0)], stress[(1, 1)], stress[(2, 2)]];
-        let before = std::mem::replace(&mut self.stress_strain, (normal, strain));
-        let moduli = demand.moduli.then(|| {
-            let relaxed = tangent.as_ref().map_or([f64::NAN; 9], |tangent| tangent.stands.relaxed);
-            match &tangent {
-                Some(tangent) if self.moduli == ModuliKind::Tangent => Moduli::of_tangent(tangent),
-                _ if self.increment == 0 => Moduli { tangent: relaxed, ..Moduli::UNKNOWN },
-                _ => {
-                    let change =
-                        |now: [f64; 3], then: [f64; 3]| std::array::from_fn(|k| now[k] - then[k]);
-                    let density = density(model, &bounds);
-                    let (stress, strain) = (change(normal, before.0), change(strain, before.1));
-                    Moduli { tangent: relaxed, ..moduli::secant(stress, strain, density) }
-                }
-            }
-        });
-        let grains = demand.grains.then(|| grains::grains(model, state, &contacts.list));
-        let fabric =
-            demand.fabric.then(|| fabric::fabric(model, state, &contacts, self.chain_share));
-        let state = demand.state.then(|| {
-            let numbers = coordination::numbers(model, contacts.counted());
-            let love_weber = stress::from_contacts(&contacts.list, &bounds);
-            let friction = &state.friction;
-            let stored_energy = reached.outcome.sums.energy + friction.stored;
-            let changes = &reached.changes;
-            PackState {
-                strain,
-                natural_strain: stress::natural_strain(&bounds, &model.reference),
-                stress_walls: row_major(&stress),
-                stress_contacts: row_major(&love_weber),
-                confining_stress: stress.trace() / 3.0,
-                deviatoric_stress: normal[2] - 0.5 * (normal[0] + normal[1]),
-                porosity: porosity::porosity(model, &contacts.list, &bounds),
-                coordination_number: f64::from(numbers.iter().sum::<u32>()) / model.len() as f64,
-                sliding_ratio: contacts.sliding_ratio(),
-                slipped: contacts.counted().filter(|c| c.slipped).count() as u32,
-                mean_normal_force: contacts.mean_force,
-                mean_tangential_force: contacts.mean_shear,
-                wall_couple: walls::couple(&wall_forces, &bounds),
-                friction_defect: match changes.excess > 0.0 {
-                    true => changes.excess / contacts.mean_force,
-                    false => 0.0,
-                },
-                opened: changes.opened,
-                formed: changes.formed,
-                stored_energy,
-                shear_energy: friction.stored,
-                slip_energy: friction.slip,
-                renewal_energy: friction.renewal,
-                event_energy: self.event_energy,
-                wall_work: state.wall_work,
-                dissipated_energy: state.wall_work - (stored_energy - state.initial_energy),
-                contacts: contacts.counted().count() as u32,
-                rattlers: numbers.iter().filter(|&&number| number == 0).count() as u32,
-                iterations: reached.iterations,
-                residual: reached.outcome.residual,
-                solve_seconds: 0.0,
-                converged: true,
-            }
-        });
-        let jumps = &reached.jumps;
-        Measures {
-            stamp,
-            increment: self.increment,
-            events: jumps.iter().map(|jump| rearrangement::event(&self.model, jump)).collect(),
-            rearrangements: (jumps.iter().filter(|_| demand.rearrangements))
-                .map(|jump| rearrangement::rearrangement(&self.model, jump))
-                .collect(),
-            snapshots: (jumps.iter().zip(0..).filter(|_| demand.snapshots))
-                .flat_map(|(jump, event)| rearrangement::snapshots(&self.model, jump, event))
-                .collect(),
-            walls: wall_forces,
-            wall_force_error: reached.wall_force_error,
-            state,
-            moduli,
-            tangent: tangent.filter(|_| demand.tangent),
-            network: demand
-                .contact_network
-                .then(|| network::network(&self.model, contacts.counted())),
-            grains,
-            motion,
-            fabric,
-        }
-    }
-
-    /// How the grains moved in the present increment; `None` when the scene says that nobody will
-    /// ask.
-    #[must_use]
-    pub fn motion(&self) -> Option<GrainMotion> {
-        let Self { model, state, past, pool, .. } = self;
-        let before = past.as_ref()?.before();
-        Some(pool.install(|| motion::motion(model, before, state)))
-    }
-
-    /// The tangent moduli, when they or the moduli that hold them are wanted.
-    fn tangent(&mut self, reached: &Advance, demand: Demand) -> Option<Tangent> {
-        if !self.moduli.takes_tangent() || !(demand.moduli || demand.tangent) {
-            return None;
-        }
-        let Self { model, state, work, pool, .. } = self;
-        let found = pool.install(|| tangent::tangent(model, state, work, &reached.outcome));
-        self.spent.products += found.products;
-        Some(measure::tangent::report(&found, density(model, &state.bounds(model))))
-    }
-
     /// The work done since the start.
     #[must_use]
     pub fn effort(&self) -> Effort {
@@ -480,23 +360,6 @@ impl Twin {
         self.state.heap_bytes() + self.work.heap_bytes() + past
     }
 
-    /// Histograms of the coordination number now (T fig. 2.6).
-    pub fn coordination(&mut self) -> Histograms {
-        let Self { model, state, work, .. } = self;
-        work.neighbours.refresh(model, &state.position, &state.bounds(model));
-        let contacts = Contacts::of(model, state, &work.neighbours);
-        let numbers = coordination::numbers(model, contacts.counted());
-        coordination::histograms(model, state, &numbers)
-    }
-
-    /// Statistics of the force network now.
-    pub fn fabric(&mut self) -> Fabric {
-        let Self { model, state, work, .. } = self;
-        work.neighbours.refresh(model, &state.position, &state.bounds(model));
-        let contacts = Contacts::of(model, state, &work.neighbours);
-        fabric::fabric(model, state, &contacts, self.chain_share)
-    }
-
     /// The specimen as it is now, in the order of the pack file.
     #[must_use]
     pub fn pack(&self) -> Pack {
@@ -511,12 +374,6 @@ impl Twin {
             history: self.state.history(&self.model),
         }
     }
-}
-
-/// Mass over the volume of the box \[kg/m³\].
-fn density(model: &Model, bounds: &Bounds) -> f64 {
-    let mass: f64 = model.grains.iter().map(|g| g.density * sphere_volume(g.radius)).sum();
-    mass / bounds.volume()
 }
 
 /// Whether walls shall carry loads that the scene's method cannot balance.
@@ -555,8 +412,4 @@ fn tell(jump: &Jump) -> String {
         "unstable on the way: {grains} jumped, confining stress from {:.4e} to {:.4e} Pa",
         jump.stress_before, jump.stress_after
     )
-}
-
-fn row_major(m: &nalgebra::Matrix3<f64>) -> [f64; 9] {
-    std::array::from_fn(|k| m[(k / 3, k % 3)])
 }

@@ -2,6 +2,7 @@
 
 use nalgebra::Matrix3;
 
+use crate::measure::row_major;
 use crate::relax::tangent::{Stiffness, Tangent};
 use crate::report::{self, Moduli, TangentModuli};
 use crate::wall;
@@ -84,10 +85,6 @@ impl Moduli {
             s_speed: speed(sticks.shear),
         }
     }
-}
-
-fn row_major(of: &Matrix3<f64>) -> [f64; 9] {
-    std::array::from_fn(|k| of[(k / 3, k % 3)])
 }
 
 #[cfg(test)]

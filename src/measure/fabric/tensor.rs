@@ -9,6 +9,7 @@
 use nalgebra::Matrix3;
 
 use crate::measure::contacts::Contact;
+use crate::measure::row_major;
 use crate::report::Directions;
 
 /// The axis of the scene.
@@ -71,8 +72,4 @@ fn over(m: Matrix3<f64>, by: f64) -> Matrix3<f64> {
 /// What the axis has more than the mean of the other two.
 fn axial(m: &Matrix3<f64>) -> f64 {
     1.5 * m[(AXIS, AXIS)] - 0.5 * m.trace()
-}
-
-fn row_major(m: &Matrix3<f64>) -> [f64; 9] {
-    std::array::from_fn(|k| m[(k / 3, k % 3)])
 }
