@@ -6,9 +6,12 @@ mod increments;
 #[path = "common/packs.rs"]
 mod packs;
 
+use graintwin::model::Model;
 use graintwin::pack::Pack;
-use graintwin::relax::tangent::Stiffness;
+use graintwin::relax::tangent::{Stiffness, tangent};
+use graintwin::relax::{Outcome, Status, Workspace};
 use graintwin::scene::{Coulomb, Friction, Law, Scene, Update};
+use graintwin::state::State;
 use graintwin::wall;
 use increments::Increment;
 use nalgebra::{Matrix3, Matrix6, SymmetricEigen, Vector6};
@@ -158,6 +161,23 @@ fn shear_at_the_contacts_stiffens_and_sliding_softens() {
     for k in 0..3 {
         assert!(stands.relaxed[(k, k)] < sticks.relaxed[(k, k)]);
     }
+}
+
+#[test]
+fn a_column_about_to_buckle_has_no_moduli() {
+    // Three beads between two walls, the middle one a little beside: pressed, it goes further.
+    let (r, short) = (1e-4, 1e-6);
+    let side = 6.0 * r - 4.0 * short;
+    let at = |k: i32| [if k == 0 { 1e-7 } else { 0.0 }, 0.0, f64::from(k) * (2.0 * r - short)];
+    let grains = [-1, 0, 1].map(|k| packs::bead(at(k), r)).to_vec();
+    let bounds = packs::centered([4.0 * r, 4.0 * r, side]);
+    let model = Model::new(&Pack { bounds, grains, history: None }, &scene_to(1e-8));
+    let state = State::new(&model);
+    let mut work = Workspace::new(&model);
+    work.begin(&model, &state);
+    let here = Outcome { status: Status::Converged, ..Outcome::NONE };
+    let found = tangent(&model, &state, &work, &here);
+    assert!(found.stands.is_none() && found.sticks.is_none());
 }
 
 #[test]

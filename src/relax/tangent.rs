@@ -38,13 +38,15 @@ use crate::relax::tangential::Reference;
 use crate::relax::{Outcome, Status, Workspace, newton};
 use crate::state::State;
 use crate::wall::{self, Bounds};
-use gmres::dot;
+use gmres::{dot, norm};
 use hessian::Hessian;
 use preconditioner::Preconditioner;
 
 /// Reduction of the residual that is asked of each response, and most directions it may take.
 const REDUCTION: f64 = 1e-10;
 const MOST_DIRECTIONS: u32 = 120;
+/// What may be left of the residual where rounding or the budget leave no less.
+const ENOUGH: f64 = 1e-6;
 /// Relative error above which the moduli are taken as unknown.
 const MOST_ERROR: f64 = 1e-6;
 /// A residual this many times the tolerance is that of another state.
@@ -205,7 +207,8 @@ fn respond(
         REDUCTION,
         MOST_DIRECTIONS,
     );
-    if solution.concave {
+    let solved = norm(&solution.left) <= ENOUGH * norm(&right);
+    if solution.concave || !solved {
         return None;
     }
     let (_, relaxing) = hessian.times(&solution.x, &still);
