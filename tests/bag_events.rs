@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::Command;
 
 use graintwin::msg::cdr;
-use graintwin::msg::{Event, PackState, Rearrangement, Snapshot};
+use graintwin::msg::{Described, Event, PackState, Rearrangement, Snapshot};
 use graintwin::record::reader::Bag;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -38,7 +38,7 @@ fn graintwin(folder: &Path, arguments: &[&str]) -> String {
 }
 
 /// The messages of a topic.
-fn on<T: DeserializeOwned>(folder: &Path, topic: &str) -> Vec<T> {
+fn on<T: Described + DeserializeOwned>(folder: &Path, topic: &str) -> Vec<T> {
     let bag = Bag::open(&folder.join("bag")).unwrap();
     let messages = bag.messages().map(|message| message.unwrap());
     let own = messages.filter(|message| message.channel.topic == format!("/graintwin/{topic}"));
