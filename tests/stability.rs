@@ -8,6 +8,8 @@
 
 #[path = "../benches/stability/agreement.rs"]
 mod agreement;
+#[path = "../benches/stability/detection.rs"]
+mod detection;
 #[path = "common/hard.rs"]
 #[allow(dead_code, reason = "the bench takes the rest")]
 mod hard;
@@ -52,6 +54,16 @@ fn increments_end_where_the_gradient_flow_ends() {
             );
         }
     }
+}
+
+#[test]
+fn events_are_those_of_the_gradient_flow() {
+    let seen = detection::detect(3, 100, 0.0);
+    assert_eq!((seen.failed, seen.increments), (0, 600));
+    assert!(seen.both >= 10, "{seen:?}");
+    // At the thresholds the two may differ (docs/events.md).
+    let alone = seen.program_alone + seen.flow_alone;
+    assert!(5 * alone <= seen.both && seen.elsewhere <= 1, "{seen:?}");
 }
 
 #[test]

@@ -31,7 +31,9 @@ pub(super) fn released(run: &Run, strain: &Strain) -> Option<Series> {
         }
         [strain.at(state.increment), sum]
     };
-    let series = Series::new(3, "released in events", run.states.iter().map(point));
+    let mut series = Series::new(3, "released in events", run.states.iter().map(point));
+    // Without friction it lies on what was dissipated.
+    series.stroke.pattern = Pattern::Dashed;
     (!run.released.is_empty()).then_some(series)
 }
 
