@@ -252,7 +252,7 @@ fn a_cubic_block_is_isotropic_with_a_chain_a_row() {
     assert_eq!(found.coordination.all, [0, 0, 0, 0, 0, 0, 64]);
     assert_eq!(found.coordination.interior, [0, 0, 0, 0, 0, 0, 8]);
     assert!(found.mobilised_histogram.is_empty());
-    let mut all_at_the_mean = vec![0; 50];
+    let mut all_at_the_mean = [0; 50];
     for (bin, count) in found.force_histogram.iter().enumerate() {
         // A rounding puts each of these equal forces on either side of the mean.
         all_at_the_mean[if bin == 3 { 4 } else { bin }] += count;

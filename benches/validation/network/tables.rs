@@ -116,15 +116,15 @@ fn chains(networks: &[Networks]) {
         ],
     );
     for (stage, stress) in STAGES.iter().enumerate() {
-        row(*stress, networks.iter().map(|one| &one.stages[stage]));
+        row(*stress, &networks.iter().map(|one| &one.stages[stage]).collect::<Vec<_>>());
     }
     for (which, lateral) in LATERAL.iter().enumerate().skip(1) {
-        row(*lateral, networks.iter().map(|one| &one.axial[which][0].fabric));
+        row(*lateral, &networks.iter().map(|one| &one.axial[which][0].fabric).collect::<Vec<_>>());
     }
 }
 
-fn row<'a>(stress: f64, fabrics: impl Iterator<Item = &'a Fabric> + Clone) {
-    let of = |value: fn(&Fabric) -> f64| Spread::of(fabrics.clone().map(value));
+fn row(stress: f64, fabrics: &[&Fabric]) {
+    let of = |value: fn(&Fabric) -> f64| Spread::of(fabrics.iter().map(|one| value(one)));
     println!(
         "| {} | {:.2} | {:.1} | {:.1} | {:.0} | {:.0} | {:.2} |",
         stress / 1e6,
