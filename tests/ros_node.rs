@@ -149,8 +149,13 @@ fn without_a_subscriber_only_the_first_equilibrium_and_the_latched_moduli_are_as
             let ask = |contact_network| ask_of(Outputs { contact_network, ..Outputs::default() });
             let only_moduli = Demand { moduli: true, ..Demand::default() };
             // Nobody draws here.
-            let all = Demand { grains: false, tangent: false, ..Demand::ALL };
-            let all = Demand { grain_motion: false, ..all };
+            let all = Demand {
+                grains: false,
+                grain_motion: false,
+                tangent: false,
+                snapshots: false,
+                ..Demand::ALL
+            };
             assert_eq!(ask(When::OnDemand), (all, only_moduli));
             let and_network = Demand { contact_network: true, ..only_moduli };
             assert_eq!(ask(When::Always), (all, and_network));
