@@ -49,8 +49,9 @@ impl Variant {
 /// Nothing but wall forces, which are always there.
 const NOTHING: Demand = Demand::NONE;
 
-/// Tangent moduli, which take scenes that ask for them.
+/// Measures that take scenes which ask for them.
 const TANGENT: Demand = Demand { tangent: true, ..NOTHING };
+const MOTION: Demand = Demand { grain_motion: true, ..NOTHING };
 
 /// Every variant; the first is the one with everything off.
 pub(crate) fn variants() -> Vec<Variant> {
@@ -68,6 +69,7 @@ pub(crate) fn variants() -> Vec<Variant> {
         demand,
         listens: Listens::Nobody,
     };
+    let ordered = |feature, demand, outputs| Variant { demand, ..physics(feature, "on", outputs) };
     let rough = "contact: {friction: {coefficient: 0.3}, torsion: false}\n";
     let heard = |feature, setting, listens| Variant {
         feature,
@@ -86,14 +88,14 @@ pub(crate) fn variants() -> Vec<Variant> {
         physics("gravity", "on: 9.81 m/s²", "gravity: [0.0, 0.0, -9.81]\n"),
         asked("state measures", Demand { state: true, ..NOTHING }),
         asked("moduli", Demand { moduli: true, ..NOTHING }),
-        Variant { demand: TANGENT, ..physics("tangent moduli", "on", "outputs: {moduli: both}\n") },
+        ordered("tangent moduli", TANGENT, "outputs: {moduli: both}\n"),
         asked("contact network", Demand { contact_network: true, ..NOTHING }),
         asked("grains", Demand { grains: true, ..NOTHING }),
-        asked("motion of the grains", Demand { grain_motion: true, ..NOTHING }),
+        ordered("motion of the grains", MOTION, "outputs: {grain_motion: on_demand}\n"),
         asked("force network statistics", Demand { fabric: true, ..NOTHING }),
         asked("rearrangements", Demand { rearrangements: true, ..NOTHING }),
         asked("snapshots", Demand { snapshots: true, ..NOTHING }),
-        asked("all of them", Demand::ALL),
+        ordered("all of them", Demand::ALL, "outputs: {moduli: both, grain_motion: on_demand}\n"),
         heard("recording", "on", Listens::Recorder),
         heard("ROS 2 node", "nobody subscribed", Listens::Node),
         heard("ROS 2 node", "contact network subscribed", Listens::Subscriber),
