@@ -146,6 +146,7 @@ fn light(served: &Served) -> Served {
     let measures = served.report.measures.as_ref().map(|measures| {
         let Measures { stamp, increment, walls, wall_force_error, state, moduli, .. } = *measures;
         let events = measures.events.clone();
+        let fabric = measures.fabric.clone();
         let (network, grains) = (None, None);
         Measures {
             stamp,
@@ -157,6 +158,7 @@ fn light(served: &Served) -> Served {
             moduli,
             network,
             grains,
+            fabric,
         }
     });
     let report =
