@@ -52,7 +52,7 @@ pub(super) enum Outgoing {
     Network(Frame),
     Picture(Picture, Arc<Served>),
     Event(Event),
-    Fabric(Fabric),
+    Fabric(Box<Fabric>),
     Report(Report),
     Discrepancy(Discrepancy),
     /// Kept by the middleware for whoever comes later.
@@ -98,7 +98,7 @@ impl NodeSink {
             messages.push(Outgoing::WallStates(convert::wall_states(measures)));
             messages.extend(convert::pack_state(measures).map(Outgoing::State));
             messages.extend(convert::moduli(measures).map(Outgoing::Moduli));
-            messages.extend(convert::fabric(measures).map(Outgoing::Fabric));
+            messages.extend(convert::fabric(measures).map(|one| Outgoing::Fabric(Box::new(one))));
             messages.extend(convert::events(measures).map(Outgoing::Event));
         }
         messages.push(Outgoing::Report(Report::from(&served.report)));
@@ -252,7 +252,7 @@ impl Outbox {
             Outgoing::State(message) => endpoints.state.publish(message).await,
             Outgoing::Moduli(message) => endpoints.moduli.publish(message).await,
             Outgoing::Event(message) => endpoints.events.publish(message).await,
-            Outgoing::Fabric(message) => endpoints.fabric.publish(message).await,
+            Outgoing::Fabric(message) => endpoints.fabric.publish(*message).await,
             Outgoing::Report(message) => endpoints.report.publish(message).await,
             Outgoing::Discrepancy(message) => match &endpoints.discrepancy {
                 Some(out) => out.publish(message).await,

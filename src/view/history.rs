@@ -70,7 +70,7 @@ impl History {
             .or_else(|| self.decode(message).map(Measure::Walls))
             .or_else(|| self.decode(message).map(Measure::Moduli))
             .or_else(|| self.decode(message).map(Measure::Network))
-            .or_else(|| self.decode(message).map(Measure::Fabric));
+            .or_else(|| self.decode(message).map(|one| Measure::Fabric(Box::new(one))));
         let Some(measure) = measure else { return };
         if self.current.ends_before(&measure) {
             self.end_run();

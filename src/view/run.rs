@@ -48,7 +48,7 @@ pub(super) enum Measure {
     Walls(WallForces),
     Moduli(Moduli),
     Network(ContactNetwork),
-    Fabric(Fabric),
+    Fabric(Box<Fabric>),
 }
 
 impl Run {
@@ -105,7 +105,7 @@ impl Run {
             Measure::Walls(walls) => self.walls.push(walls),
             Measure::Moduli(moduli) => self.moduli.push(moduli),
             Measure::Network(network) => self.add_network(network),
-            Measure::Fabric(fabric) => self.fabrics.push(fabric),
+            Measure::Fabric(fabric) => self.fabrics.push(*fabric),
         }
     }
 
