@@ -54,7 +54,7 @@ pub(super) enum Outgoing {
     Frame(Frame),
     Picture(Picture, Arc<Served>),
     Event(Event),
-    Fabric(Fabric),
+    Fabric(Box<Fabric>),
     Rearrangement(Rearrangement),
     Report(Report),
     Discrepancy(Discrepancy),
@@ -101,7 +101,7 @@ impl NodeSink {
             messages.push(Outgoing::WallStates(convert::wall_states(measures)));
             messages.extend(convert::pack_state(measures).map(Outgoing::State));
             messages.extend(convert::moduli(measures).map(Outgoing::Moduli));
-            messages.extend(convert::fabric(measures).map(Outgoing::Fabric));
+            messages.extend(convert::fabric(measures).map(|one| Outgoing::Fabric(Box::new(one))));
             messages.extend(convert::tangent(measures).map(Box::new).map(Outgoing::Tangent));
             messages.extend(convert::events(measures).map(Outgoing::Event));
             let chunks = rearrangement::chunks(measures, LIVE_GRAINS, LIVE_CONTACTS);
@@ -271,7 +271,7 @@ impl Outbox {
             Outgoing::Moduli(message) => endpoints.moduli.publish(message).await,
             Outgoing::Tangent(message) => endpoints.tangent.publish(*message).await,
             Outgoing::Event(message) => endpoints.events.publish(message).await,
-            Outgoing::Fabric(message) => endpoints.fabric.publish(message).await,
+            Outgoing::Fabric(message) => endpoints.fabric.publish(*message).await,
             Outgoing::Rearrangement(message) => endpoints.rearrangements.publish(message).await,
             Outgoing::Report(message) => endpoints.report.publish(message).await,
             Outgoing::Discrepancy(message) => match &endpoints.discrepancy {

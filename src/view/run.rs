@@ -62,7 +62,7 @@ pub(super) enum Measure {
     Tangent(Box<Tangent>),
     Network(ContactNetwork),
     Motion(Box<GrainMotion>),
-    Fabric(Fabric),
+    Fabric(Box<Fabric>),
     Event(Event),
     Rearrangement(Rearrangement),
 }
@@ -142,7 +142,7 @@ impl Run {
             Measure::Tangent(tangent) => self.tangents.push(*tangent),
             Measure::Network(network) => self.add_network(network),
             Measure::Motion(motion) => self.motions.add(*motion),
-            Measure::Fabric(fabric) => self.fabrics.push(fabric),
+            Measure::Fabric(fabric) => self.fabrics.push(*fabric),
             Measure::Event(event) => self.add_event(event.increment),
             Measure::Rearrangement(event) => self.add_rearrangement(&event),
         }

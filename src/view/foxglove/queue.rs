@@ -149,6 +149,7 @@ fn light(served: &Served) -> Served {
         let Measures { stamp, increment, walls, wall_force_error, state, moduli, tangent, .. } =
             *measures;
         let events = measures.events.clone();
+        let fabric = measures.fabric.clone();
         let (network, grains, motion) = (None, None, None);
         Measures {
             stamp,
@@ -162,6 +163,7 @@ fn light(served: &Served) -> Served {
             network,
             grains,
             motion,
+            fabric,
         }
     });
     let report =
