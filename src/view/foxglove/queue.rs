@@ -145,12 +145,17 @@ fn light(served: &Served) -> Served {
     let (session, text) = (served.report.session.clone(), served.report.text.clone());
     let measures = served.report.measures.as_ref().map(|measures| {
         let Measures { stamp, increment, walls, wall_force_error, state, moduli, .. } = *measures;
+        // Events are rare: what is told of them is kept.
         let events = measures.events.clone();
+        let rearrangements = measures.rearrangements.clone();
+        let snapshots = measures.snapshots.clone();
         let (network, grains) = (None, None);
         Measures {
             stamp,
             increment,
             events,
+            rearrangements,
+            snapshots,
             walls,
             wall_force_error,
             state,
