@@ -148,13 +148,18 @@ fn light(served: &Served) -> Served {
     let measures = served.report.measures.as_ref().map(|measures| {
         let Measures { stamp, increment, walls, wall_force_error, state, moduli, tangent, .. } =
             *measures;
+        // Events are rare: what is told of them is kept.
         let events = measures.events.clone();
         let fabric = measures.fabric.clone();
+        let rearrangements = measures.rearrangements.clone();
+        let snapshots = measures.snapshots.clone();
         let (network, grains, motion) = (None, None, None);
         Measures {
             stamp,
             increment,
             events,
+            rearrangements,
+            snapshots,
             walls,
             wall_force_error,
             state,
