@@ -29,7 +29,8 @@ const ROUNDS: usize = 3;
 /// Tolerances of LAMMPS, of this program, and of the reference with friction.
 const TOLERANCES: [f64; 3] = [1e-6, 1e-8, 1e-11];
 /// What a run without subscribers is asked for.
-const DEMAND: Demand = Demand { state: true, moduli: true, contact_network: false, grains: false };
+const DEMAND: Demand =
+    Demand { state: true, moduli: true, tangent: false, contact_network: false, grains: false };
 
 /// An increment as both did it.
 struct Both {
