@@ -95,9 +95,16 @@ const OF_STATE: [(&str, OfState); 4] = [
     ("G, as they stand", |tangent| tangent.stands.shear),
 ];
 
-/// Those of the states themselves.
+/// Those of the states themselves; without friction both sets are the same, and one is shown.
 pub(super) fn tangent(run: &Run, strain: &Strain) -> Chart {
     let abscissa = Abscissa::of(run, strain);
+    let slides = run.tangents.iter().any(|one| one.stands.relaxed != one.sticks.relaxed);
+    let (shown, note) = match slides {
+        true => {
+            (&OF_STATE[..], "Of each state: sliding contacts as they stand, and with all sticking.")
+        }
+        false => (&OF_STATE[2..], "Of each state; no contact slides."),
+    };
     let line = |(number, (name, value)): (usize, &(&str, OfState))| {
         let points = run.tangents.iter().map(|one| [abscissa.at(one.increment), value(one)]);
         Series::new(number, name, points)
@@ -106,8 +113,8 @@ pub(super) fn tangent(run: &Run, strain: &Strain) -> Chart {
         title: format!("Tangent moduli against {}", abscissa.name()),
         x: abscissa.axis(),
         y: Axis::linear("tangent modulus", Unit::Si("Pa")),
-        series: OF_STATE.iter().enumerate().map(line).collect(),
-        notes: vec!["Of each state: sliding contacts as they stand, and with all sticking.".into()],
+        series: shown.iter().enumerate().map(line).collect(),
+        notes: vec![note.into()],
     }
 }
 
