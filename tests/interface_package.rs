@@ -41,10 +41,12 @@ fn lines(text: &str) -> impl Iterator<Item = (&str, &str)> {
 
 /// Packages that the definitions take types from.
 fn used_packages() -> BTreeSet<String> {
+    let others = |package: &&str| *package != "graintwin_msgs";
     let all = definitions("msg").into_iter().chain(definitions("srv"));
     all.flat_map(|(_, text)| {
         let packages = lines(&text).filter_map(|(kind, _)| kind.split_once('/'));
-        packages.map(|(package, _)| package.to_owned()).collect::<Vec<_>>()
+        let packages = packages.map(|(package, _)| package).filter(others);
+        packages.map(str::to_owned).collect::<Vec<_>>()
     })
     .collect()
 }

@@ -235,6 +235,7 @@ fn spheres_are_coloured_by_the_motion_that_is_measured_with_them() {
     for color in [ColorBy::NonAffine, ColorBy::D2min, ColorBy::Rotation] {
         let mut scene = graintwin::scene::parse(&text, Path::new("scene.yaml")).unwrap();
         scene.view.color = color;
+        scene.outputs.grain_motion = When::OnDemand;
         let mut twin = graintwin::twin::Twin::new(&scene, &pack, 1).unwrap();
         let only_grains = Demand { grains: true, ..Demand::NONE };
         twin.start(only_grains);

@@ -15,7 +15,7 @@ use graintwin::pack;
 use graintwin::record::{Closing, Provenance, Recorder};
 use graintwin::relax::lanes;
 use graintwin::report::{Demand, Report};
-use graintwin::scene::{self, Record, Scene};
+use graintwin::scene::{self, Record, Scene, When};
 use graintwin::sink::{Served, Sink};
 use graintwin::twin::Twin;
 use graintwin::view::picture::Painter;
@@ -103,7 +103,8 @@ fn another_tolerance_gives_other_bits_and_the_first_of_them_is_named() {
 
 /// A twin of some grains and what it answers, `change`d before it is recorded.
 fn altered(folder: &Path, change: fn(&mut Report)) -> Value {
-    let scene: Scene = packs::scene();
+    let mut scene: Scene = packs::scene();
+    scene.outputs.grain_motion = When::OnDemand;
     let pack = made(30, 5e6, 3);
     let mut twin = Twin::new(&scene, &pack, 1).unwrap();
     let texts = pack::texts(&pack, "pack.history.json").unwrap();

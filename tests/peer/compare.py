@@ -10,32 +10,35 @@ import argparse
 import json
 import sys
 
-# By topic: the most entries of a chunk, a column with one of each, and all columns.
+# By topic: the most entries that a chunk may have of these columns, and all columns.
 CHUNKED = {
     "contact_network": (
-        700,
-        "first",
+        {"first": 700},
         ("first", "second", "normal", "normal_force", "tangential_force", "overlap", "state"),
     ),
     "grain_motion": (
-        450,
-        "carries",
+        {"carries": 450},
         ("displacement", "non_affine", "rotation", "total_rotation", "d2min", "shear_strain",
          "volumetric_strain", "carries"),
+    ),
+    "rearrangements": (
+        {"grains": 400, "lost_first": 1500, "made_first": 1500},
+        ("grains", "displacement", "rotation", "lost_first", "lost_second", "made_first",
+         "made_second"),
     ),
 }
 
 
 def whole(topic, chunks):
-    """One message per increment from its chunks."""
+    """One message per increment, or per event of one, from its chunks."""
     messages = {}
     for chunk in chunks:
-        messages.setdefault(chunk["increment"], []).append(chunk)
-    return [joined(topic, increment, parts) for increment, parts in messages.items()]
+        messages.setdefault((chunk["increment"], chunk.get("event")), []).append(chunk)
+    return [joined(topic, increment, parts) for (increment, _), parts in messages.items()]
 
 
 def joined(topic, increment, parts):
-    largest, counted, columns = CHUNKED[topic]
+    largest, columns = CHUNKED[topic]
     numbers = [part["chunk"] for part in parts]
     count = parts[0]["chunk_count"]
     if numbers != list(range(count)):
@@ -43,8 +46,9 @@ def joined(topic, increment, parts):
     for part in parts:
         if part["chunk_count"] != count or part["header"] != parts[0]["header"]:
             sys.exit(f"{topic} of increment {increment}: chunks that disagree")
-        if len(part[counted]) > largest:
-            sys.exit(f"{topic} of increment {increment}: {len(part[counted])} in a chunk")
+        for column, most in largest.items():
+            if len(part[column]) > most:
+                sys.exit(f"{topic} of increment {increment}: {len(part[column])} {column} in a chunk")
     message = {**parts[0], "chunk": 0, "chunk_count": 1}
     for column in columns:
         message[column] = [value for part in parts for value in part[column]]
