@@ -8,7 +8,8 @@
 //! installed, over the first increments, apart for the solver and for the thread that serves:
 //! command gate, measures and handing over.
 //!
-//! The subscriber and the node meet over loopback.
+//! The subscriber and the node meet over loopback. Words as arguments choose the features that have
+//! one of them in their name: `-- motion network`.
 #![allow(clippy::print_stdout, clippy::expect_used)] // A bench prints, and ends when its input is not there.
 
 #[path = "../common/callgrind.rs"]
@@ -20,7 +21,7 @@ mod variant;
 mod walk;
 
 use callgrind::instructions;
-use variant::variants;
+use variant::{Variant, variants};
 use walk::{COUNTED, Walk, count, walk};
 
 /// Walks of each variant.
@@ -32,10 +33,16 @@ fn main() {
         let number: usize = number.parse().expect("a number");
         return count(&variants()[number], part);
     }
-    let variants = variants();
-    let mut walks: Vec<Walk> = variants.iter().map(walk).collect();
+    // Cargo adds an argument of its own.
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
+    let chosen = |(number, variant): &(usize, Variant)| {
+        *number == 0 || words.is_empty() || words.iter().any(|word| variant.feature.contains(word))
+    };
+    let variants: Vec<(usize, Variant)> =
+        variants().into_iter().enumerate().filter(chosen).collect();
+    let mut walks: Vec<Walk> = variants.iter().map(|(_, variant)| walk(variant)).collect();
     for _ in 1..ROUNDS {
-        for (variant, best) in variants.iter().zip(&mut walks) {
+        for ((_, variant), best) in variants.iter().zip(&mut walks) {
             best.shorten(&walk(variant));
         }
     }
@@ -43,7 +50,7 @@ fn main() {
         "| feature | | CPU ms an increment, mean | evaluations | products | instructions of the solver, 10⁶ | of the serving thread, 10⁶ | allocations | bits |"
     );
     println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- |");
-    for (number, (variant, walk)) in variants.iter().zip(&walks).enumerate() {
+    for ((number, variant), walk) in variants.iter().zip(&walks) {
         let millions = |part: &str| {
             let counted = variant.listens.is_deterministic();
             let all = counted.then(|| instructions(&format!("{number} {part}"))).flatten();
