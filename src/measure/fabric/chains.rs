@@ -9,28 +9,37 @@ use crate::wall;
 /// grains.
 #[must_use]
 pub fn chains(grains: usize, contacts: &[&Contact], share: f64) -> Chains {
-    let mut sorted: Vec<&Contact> = contacts.to_vec();
-    // The order of equal forces bears on nothing below.
-    sorted.sort_unstable_by(|a, b| b.force.total_cmp(&a.force));
-    let wanted = ((share * sorted.len() as f64).round() as usize).max(1);
-    let threshold = sorted.get(wanted - 1).or(sorted.last()).map_or(0.0, |last| last.force);
-    let members = sorted.partition_point(|contact| contact.force >= threshold);
-
+    let wanted = ((share * contacts.len() as f64).round() as usize).max(1);
+    let mut order = Descending::new(contacts, wanted);
     let mut sets = Sets::new(grains);
+    let (mut threshold, mut load) = (0.0, 0.0);
     let mut strongest_path = [0.0; 3];
-    let mut network = Network::default();
-    for (place, contact) in sorted.iter().enumerate() {
+    let mut network = None;
+    for place in 0..contacts.len() {
+        let contact = order.at(place);
+        if network.is_none() {
+            if place >= wanted && contact.force < threshold {
+                network = Some((Network::of(&sets), place));
+            } else {
+                load += contact.force;
+            }
+        }
+        if network.is_some() && strongest_path.iter().all(|path| *path > 0.0) {
+            // The smaller forces tell nothing more.
+            break;
+        }
         let walls = sets.add(contact);
         for (axis, path) in strongest_path.iter_mut().enumerate() {
             if *path == 0.0 && joins(walls, axis) {
                 *path = contact.force;
             }
         }
-        if place + 1 == members {
-            network = Network::of(&sets);
+        if place + 1 == wanted {
+            threshold = contact.force;
         }
     }
-    let load = |contacts: &[&Contact]| contacts.iter().map(|contact| contact.force).sum::<f64>();
+    let (network, members) = network.unwrap_or_else(|| (Network::of(&sets), contacts.len()));
+    let all: f64 = contacts.iter().map(|contact| contact.force).sum();
     Chains {
         share,
         threshold,
@@ -38,9 +47,44 @@ pub fn chains(grains: usize, contacts: &[&Contact], share: f64) -> Chains {
         grains: network.grains,
         count: network.chains,
         largest: network.largest,
-        load: if members > 0 { load(&sorted[..members]) / load(&sorted) } else { f64::NAN },
+        load: if members > 0 { load / all } else { f64::NAN },
         spans: strongest_path.map(|path| members > 0 && path >= threshold),
         strongest_path,
+    }
+}
+
+/// Contacts from the largest force down, sorted no further than is asked: walls are connected long
+/// before the smallest forces. The order of equal forces bears on nothing here.
+struct Descending<'a> {
+    contacts: &'a [&'a Contact],
+    /// Force and place among `contacts`.
+    forces: Vec<(f64, u32)>,
+    /// How many of them are in order, and how many shall be at first.
+    sorted: usize,
+    first: usize,
+}
+
+impl<'a> Descending<'a> {
+    fn new(contacts: &'a [&'a Contact], wanted: usize) -> Self {
+        let forces = contacts.iter().zip(0..).map(|(contact, place)| (contact.force, place));
+        let first = wanted.max(contacts.len() / 4) + 1;
+        Self { contacts, forces: forces.collect(), sorted: 0, first }
+    }
+
+    /// The contact at `place`; places are asked for one after the other.
+    fn at(&mut self, place: usize) -> &'a Contact {
+        if place == self.sorted {
+            let descending = |a: &(f64, u32), b: &(f64, u32)| b.0.total_cmp(&a.0);
+            let count = self.first.max(self.sorted);
+            let rest = &mut self.forces[self.sorted..];
+            if count < rest.len() {
+                rest.select_nth_unstable_by(count, descending);
+            }
+            let count = count.min(rest.len());
+            rest[..count].sort_unstable_by(descending);
+            self.sorted += count;
+        }
+        self.contacts[self.forces[place].1 as usize]
     }
 }
 
