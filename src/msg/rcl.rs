@@ -4,8 +4,6 @@
 use serde::{Deserialize, Serialize};
 
 use super::Time;
-#[allow(unused_imports)]
-use super::schema::Described;
 use super::schema::describe;
 
 /// `rcl_interfaces/ParameterValue`: only the field that `kind` names counts.
