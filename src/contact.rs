@@ -1,6 +1,7 @@
 //! Contacts: who is near whom, and the laws between them.
 
 pub(crate) mod cells;
+pub mod cement;
 pub mod coulomb;
 pub mod hertz;
 pub mod mindlin;

@@ -1,9 +1,11 @@
 //! What stays constant after loading: grains, walls, laws and settings, in the solver's own order.
 
+pub mod cement;
+
 use crate::Vec3;
 use crate::contact::{Other, hertz, mindlin};
 use crate::pack::{Grain, Pack};
-use crate::scene::{self, Coulomb, Law, Scene, Solver, Update, Walls};
+use crate::scene::{self, Cement, Coulomb, Law, Scene, Solver, Update, Walls};
 use crate::wall::Bounds;
 
 /// Streams into which the grains are cut, then dealt one after the other.
@@ -42,8 +44,14 @@ pub struct Model {
     pub reference: Bounds,
     /// Settings of the relaxation.
     pub solver: Solver,
-    /// Friction; `None` when no contact can carry shear, and then no rotation is solved for.
+    /// Friction and cement in shear; `None` when no contact can carry shear, and then no rotation is
+    /// solved for.
     pub friction: Option<Friction>,
+    /// Cement.
+    pub cement: Option<Cement>,
+    /// Mean contact force below which residuals are those of this force \[N\]: cement can be free of
+    /// any load, where rounding alone is left. 0 without cement.
+    pub least_force: f64,
 }
 
 /// Constants of the frictional laws. Arrays have one entry a grain, in the solver's order.
@@ -77,19 +85,31 @@ impl Friction {
         if wall_coefficient == 0.0 && grains.iter().all(|grain| grain.friction == 0.0) {
             return None;
         }
-        let shear = |young: f64, poisson: f64| mindlin::shear_compliance(young, poisson);
-        let torsional = |young: f64, poisson: f64| mindlin::torsion_compliance(young, poisson);
         Some(Self {
             law: coulomb.law,
             update: coulomb.update,
-            torsion,
             coefficient: grains.iter().map(|g| g.friction).collect(),
             wall_coefficient,
+            ..Self::smooth(grains, walls, torsion)
+        })
+    }
+
+    /// Of grains and walls that slide freely where no cement holds them.
+    #[must_use]
+    pub fn smooth(grains: &[Grain], walls: &Walls, torsion: bool) -> Self {
+        let shear = |young: f64, poisson: f64| mindlin::shear_compliance(young, poisson);
+        let torsional = |young: f64, poisson: f64| mindlin::torsion_compliance(young, poisson);
+        Self {
+            law: Law::ReturnMap,
+            update: Update::Frozen,
+            torsion,
+            coefficient: vec![0.0; grains.len()],
+            wall_coefficient: 0.0,
             shear_compliance: grains.iter().map(|g| shear(g.young, g.poisson)).collect(),
             wall_shear_compliance: shear(walls.young, walls.poisson),
             torsion_compliance: grains.iter().map(|g| torsional(g.young, g.poisson)).collect(),
             wall_torsion_compliance: torsional(walls.young, walls.poisson),
-        })
+        }
     }
 }
 
@@ -110,9 +130,15 @@ impl Model {
     pub fn new(pack: &Pack, scene: &Scene) -> Self {
         let mut model =
             Self::with(pack, &scene.walls, scene.gravity, scene.solver, scene.reference);
+        let torsion = scene.contact.torsion;
         if let scene::Friction::Coulomb(coulomb) = &scene.contact.friction {
-            let torsion = scene.contact.torsion;
             model.friction = Friction::new(&model.grains, &scene.walls, coulomb, torsion);
+        }
+        if let scene::Normal::Cement(cement) = scene.contact.normal {
+            model.cement = Some(cement);
+            model.least_force = model.faint_cement_force();
+            let smooth = || Friction::smooth(&model.grains, &scene.walls, torsion);
+            model.friction = model.friction.or_else(|| Some(smooth()));
         }
         model
     }
@@ -147,6 +173,8 @@ impl Model {
             reference: reference.unwrap_or(pack.bounds),
             solver,
             friction: None,
+            cement: None,
+            least_force: 0.0,
             grains,
         }
     }
@@ -180,6 +208,13 @@ impl Model {
     #[must_use]
     pub fn contacts_to_carry(&self) -> u32 {
         if self.has_gravity() { 3 } else { 4 }
+    }
+
+    /// Force of cement whose approach is 1e-6 of the mean radius \[N\].
+    fn faint_cement_force(&self) -> f64 {
+        let compliance = self.compliance.iter().sum::<f64>() / self.len().max(1) as f64;
+        let modulus = hertz::modulus(0.5 * self.mean_radius, 2.0 * compliance);
+        hertz::stiffness(modulus, 1e-2 * self.mean_radius) * 1e-6 * self.mean_radius
     }
 
     /// Force of a contact that is as good as open \[N\]: an overlap of 1e-7 of the mean radius,

@@ -17,7 +17,9 @@ pub use beside::box_file;
 pub use build::{build, from_texts, unprepared};
 pub use csv::{Columns, Constants, PackFile, PackRow, read};
 pub use error::PackError;
-pub use history::{ContactMemory, History, Layer, history_file, wall_index, wall_of};
+pub use history::{
+    BondMemory, ContactMemory, History, Kept, Layer, history_file, wall_index, wall_of,
+};
 pub use save::{Texts, save, texts};
 
 /// One grain's constants and position.

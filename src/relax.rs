@@ -11,6 +11,7 @@ pub mod accuracy;
 pub mod advance;
 pub mod balance;
 mod block;
+pub mod breakage;
 mod conjugate_gradient;
 pub mod cool;
 pub mod coupled;
@@ -43,7 +44,7 @@ use crate::contact::neighbours::Neighbours;
 use crate::heap;
 use crate::model::Model;
 use crate::scene::Method;
-use crate::state::{Memory, State};
+use crate::state::{Bond, Memory, State};
 use crate::wall::{self, Bounds};
 use balance::{Balance, Configuration, Sums};
 use coupled::Coupled;
@@ -275,12 +276,15 @@ impl Workspace {
             reference_stiffness: self.reference_stiffness,
         });
         let grains = (&*state.position, &*state.carries);
-        self.balance.unbalance = self.servo.unbalance(model, &self.neighbours, grains, bounds);
+        let cement = &self.balance.cement_on_walls;
+        let near = &self.neighbours;
+        self.balance.unbalance = self.servo.unbalance(model, near, grains, bounds, cement);
     }
 
     /// Takes the equilibrium `state` as the reference that shear and torsion count from.
     pub fn begin(&mut self, model: &Model, state: &State) {
         self.neighbours.refresh(model, &state.position, &state.bounds(model));
+        self.take_bonds(model, state);
         self.reference.begin(model, state, &self.neighbours, false);
     }
 
@@ -288,7 +292,20 @@ impl Workspace {
     /// that is beyond the limit: it was so in equilibrium.
     pub fn start(&mut self, model: &Model, state: &State) {
         self.neighbours.refresh(model, &state.position, &state.bounds(model));
+        self.take_bonds(model, state);
         self.reference.begin(model, state, &self.neighbours, true);
+    }
+
+    /// Tells the neighbour list where cement stands between the bodies or stood.
+    fn take_bonds(&mut self, model: &Model, state: &State) {
+        if let Some(cement) = &model.cement {
+            let bonds = state.bonds.iter();
+            let relieved = bonds.map(|bond| (bond.key(), bond.unstressed(cement)));
+            self.neighbours.relieve(relieved.filter(|&(_, approach)| approach != 0.0));
+            // What cement holds together need not press.
+            let holds = state.bonds.iter().any(Bond::holds);
+            self.negligible_force = if holds { 0.0 } else { model.negligible_force() };
+        }
     }
 
     /// Ends a relaxation that did not move anything: `state` remembers what it did before.
@@ -421,8 +438,9 @@ impl Workspace {
             reference_stiffness: self.reference_stiffness,
         });
         let grains = (&*self.trial, &*state.carries);
-        self.trial_balance.unbalance =
-            self.servo.unbalance(model, &self.neighbours, grains, bounds);
+        let cement = &self.trial_balance.cement_on_walls;
+        let near = &self.neighbours;
+        self.trial_balance.unbalance = self.servo.unbalance(model, near, grains, bounds, cement);
     }
 
     /// Makes the configuration that was tried last the one of `state`.

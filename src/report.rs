@@ -285,6 +285,10 @@ pub enum ContactState {
     Stick = 0,
     /// Slides at the Coulomb limit.
     Slide = 1,
+    /// Held together by cement.
+    Bonded = 2,
+    /// Its cement broke.
+    Broken = 3,
 }
 
 /// Every load-carrying contact, sorted by (first, second).

@@ -4,6 +4,7 @@
 //! line and field of everything that is wrong. Relative files are meant from the scene file's
 //! folder. Lengths are in m, moduli and stresses in Pa, compression is positive.
 
+mod cement;
 mod check;
 mod choice;
 mod contact;
@@ -32,6 +33,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::wall::Bounds;
 
+pub use cement::{Cement, CementLaw, CementStrength, Exponential, Parallel, Power};
 use check::{Field, Problems};
 pub use choice::Choice;
 pub use contact::{Contact, Coulomb, Friction, Law, Normal, Update};

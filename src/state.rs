@@ -1,11 +1,15 @@
 //! What a snapshot holds.
 
+mod bond;
+
 use crate::Vec3;
 use crate::contact::Other;
 use crate::heap;
 use crate::model::Model;
 use crate::pack::{self, History, Layer};
 use crate::wall::{self, Bounds};
+
+pub use bond::{Bond, Condition};
 
 /// The configuration of a specimen at an equilibrium, and the ledger that led there.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +20,8 @@ pub struct State {
     pub rotation: Vec<Vec3>,
     /// What the contacts remember; empty without friction.
     pub memory: Memory,
+    /// What was cemented, sorted by (first, second); empty without cement.
+    pub bonds: Vec<Bond>,
     /// Whether a grain takes part in the balance of forces, shape (n); the others float.
     pub carries: Vec<bool>,
     /// Inward displacement of the walls since the start \[m\].
@@ -38,6 +44,8 @@ pub struct Ledger {
     /// Lost since the start where the law forgets: contacts that opened under shear, and
     /// stiffnesses that were renewed under load. The latter can be a gain.
     pub renewal: f64,
+    /// Lost since the start by bonds that broke: what they and the cement around them stored.
+    pub broken: f64,
 }
 
 /// The loads that frictional contacts carry at an equilibrium.
@@ -85,13 +93,7 @@ impl Memory {
         take(&(self.contacts.len() as u64).to_le_bytes());
         for contact in &self.contacts {
             let Remembered { first, second, shear, torsion, slides, layers } = contact;
-            let (kind, number) = match second {
-                Other::Grain(grain) => (0, *grain),
-                Other::Wall(wall) => (1, u32::from(*wall)),
-            };
-            take(&first.to_le_bytes());
-            take(&[kind]);
-            take(&number.to_le_bytes());
+            put_bodies(*first, *second, take);
             numbers(shear.as_slice(), take);
             numbers(&[*torsion], take);
             take(&[u8::from(*slides)]);
@@ -124,6 +126,7 @@ impl State {
             position: model.grains.iter().map(|g| Vec3::from(g.position)).collect(),
             rotation: vec![Vec3::zeros(); turning],
             memory: Memory::default(),
+            bonds: Vec::new(),
             carries: vec![true; model.len()],
             displacement: [0.0; wall::COUNT],
             friction: Ledger::default(),
@@ -171,6 +174,24 @@ impl State {
             self.memory.contacts.push(remembered);
             self.memory.layers.extend(layers.iter().map(|layer| layer.times(sign)));
         }
+        if model.cement.is_some() {
+            self.recall_bonds(&place, &history.bonds);
+        }
+    }
+
+    fn recall_bonds(&mut self, place: &[u32], bonds: &[pack::BondMemory]) {
+        self.bonds.clear();
+        self.bonds.extend(bonds.iter().map(|memory| {
+            let first = place[memory.first as usize];
+            let second = pack::wall_of(memory.second)
+                .map_or_else(|| Other::Grain(place[memory.second as usize]), Other::Wall);
+            let bond = memory.bond(first, second);
+            match second {
+                Other::Grain(j) if j < first => bond.exchanged(j, Other::Grain(first)),
+                _ => bond,
+            }
+        }));
+        self.bonds.sort_unstable_by_key(Bond::key);
     }
 
     /// The history to be saved with the pack; `None` without friction.
@@ -205,7 +226,10 @@ impl State {
             from = to;
         }
         contacts.sort_unstable_by_key(|memory| (memory.first, memory.second));
-        Some(History { rotation, contacts })
+        let mut bonds: Vec<pack::BondMemory> =
+            self.bonds.iter().map(|bond| pack::BondMemory::of(bond, &model.order)).collect();
+        bonds.sort_unstable_by_key(|memory| (memory.first, memory.second));
+        Some(History { rotation, contacts, bonds })
     }
 
     /// Memory that its lists hold \[bytes\].
@@ -214,22 +238,28 @@ impl State {
         heap::bytes(&self.position)
             + heap::bytes(&self.rotation)
             + heap::bytes(&self.carries)
+            + heap::bytes(&self.bonds)
             + self.memory.heap_bytes()
     }
 
     /// Hands every number of the state to `take` as little-endian bytes, lists with their length
     /// in front: two states give the same bytes when they are the same to the bit.
     pub fn put(&self, take: &mut dyn FnMut(&[u8])) {
-        let Self { position, rotation, memory, carries, .. } = self;
+        let Self { position, rotation, memory, bonds, carries, .. } = self;
         let Self { displacement, friction, wall_work, initial_energy, .. } = self;
         for list in [position, rotation] {
             take(&(list.len() as u64).to_le_bytes());
             list.iter().for_each(|vector| numbers(vector.as_slice(), take));
         }
         memory.put(take);
+        if !bonds.is_empty() {
+            take(&(bonds.len() as u64).to_le_bytes());
+            bonds.iter().for_each(|bond| bond.put(take));
+            numbers(&[friction.broken], take);
+        }
         carries.iter().for_each(|&carries| take(&[u8::from(carries)]));
         numbers(displacement, take);
-        let Ledger { stored, slip, renewal } = friction;
+        let Ledger { stored, slip, renewal, .. } = friction;
         numbers(&[*stored, *slip, *renewal, *wall_work, *initial_energy], take);
     }
 
@@ -244,12 +274,23 @@ impl State {
         self.position.copy_from_slice(&other.position);
         self.rotation.copy_from_slice(&other.rotation);
         self.memory.copy_from(&other.memory);
+        self.bonds.clone_from(&other.bonds);
         self.carries.copy_from_slice(&other.carries);
         self.displacement = other.displacement;
         self.friction = other.friction;
         self.wall_work = other.wall_work;
         self.initial_energy = other.initial_energy;
     }
+}
+
+fn put_bodies(first: u32, second: Other, take: &mut dyn FnMut(&[u8])) {
+    let (kind, number) = match second {
+        Other::Grain(grain) => (0, grain),
+        Other::Wall(wall) => (1, u32::from(wall)),
+    };
+    take(&first.to_le_bytes());
+    take(&[kind]);
+    take(&number.to_le_bytes());
 }
 
 fn numbers(numbers: &[f64], take: &mut dyn FnMut(&[u8])) {

@@ -11,6 +11,7 @@ use sha2::{Digest, Sha256};
 
 use crate::command::gate::{Decision, Gate, Order, join};
 use crate::command::{Command, Disposition, Stamp};
+use crate::contact::cement::deposit::deposit;
 use crate::model::Model;
 use crate::pack::{Grain, History, Pack};
 use crate::relax::advance::Advance;
@@ -134,7 +135,18 @@ impl Twin {
         let Self { model, state, work, pool, .. } = self;
         work.start(model, state);
         work.jumps.clear();
-        let outcome = pool.install(|| relax(model, state, work));
+        let outcome = pool.install(|| {
+            let outcome = relax(model, state, work);
+            match &model.cement {
+                Some(cement) if outcome.status.is_equilibrium() && state.bonds.is_empty() => {
+                    deposit(model, cement, state);
+                    work.start(model, state);
+                    let cemented = relax(model, state, work);
+                    Outcome { iterations: outcome.iterations + cemented.iterations, ..cemented }
+                }
+                _ => outcome,
+            }
+        });
         self.outcome = outcome;
         let mut report = Report {
             stamp: Stamp::default(),
@@ -180,6 +192,7 @@ impl Twin {
             wall_force_error,
             crept: 0.0,
             jumps,
+            cracks: Vec::new(),
             changes,
         };
         if self.targets.iter().any(|target| *target != WallTarget::Keep) {

@@ -105,7 +105,7 @@ impl Frame {
         let mut contacts: Vec<_> = history.contacts.iter().map(contact).collect();
         contacts.sort_by_key(|contact| (contact.first, contact.second));
         let rotation = self.order.iter().map(|&k| self.axial(history.rotation[k])).collect();
-        History { rotation, contacts }
+        History { rotation, contacts, bonds: Vec::new() }
     }
 
     /// The walls' forces as seen from here.

@@ -34,7 +34,11 @@ fn frictional() -> Pack {
     let mut contacts = vec![contact(0, 1), contact(0, u32::MAX)];
     contacts[0].layers = vec![layer(1e-9, 0.5), layer(2e-9, -1.0)];
     contacts[1].sliding = false;
-    row(Some(History { rotation: vec![[1e-5, 0.0, -1e-6]; GRAINS as usize], contacts }))
+    row(Some(History {
+        rotation: vec![[1e-5, 0.0, -1e-6]; GRAINS as usize],
+        contacts,
+        bonds: Vec::new(),
+    }))
 }
 
 /// A folder in which a pack was saved as `p.csv`.
@@ -298,7 +302,7 @@ fn a_twin_refuses_a_history_of_another_pack() {
     let (rotation, mut wrong) = (vec![[0.0; 3]; 4], contacts(&mut pack));
     wrong[0].first = 4;
     wrong[0].second = 5;
-    pack.history = Some(History { rotation, contacts: wrong });
+    pack.history = Some(History { rotation, contacts: wrong, bonds: Vec::new() });
     assert_eq!(
         error(&pack),
         "the history of the pack: contacts[0].first: 4; allowed: a grain, 0 to 3"

@@ -65,7 +65,11 @@ fn an_isotropic_step_leaves_the_grains_what_they_are_and_drops_the_history() {
     for (index, grain) in pack.grains.iter_mut().enumerate() {
         (grain.friction, grain.density) = (0.01 * index as f64, 1e3 + index as f64);
     }
-    pack.history = Some(pack::History { rotation: vec![[1.0; 3]; 40], contacts: Vec::new() });
+    pack.history = Some(pack::History {
+        rotation: vec![[1.0; 3]; 40],
+        contacts: Vec::new(),
+        ..pack::History::default()
+    });
     let (after, _) = prepared(&scene(&["isotropic: {confining_stress: 2.0e6}"], ""), &pack);
     assert_eq!(after.history, None);
     assert_eq!(after.grains.len(), 40);

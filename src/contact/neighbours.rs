@@ -2,7 +2,7 @@
 
 use crate::Vec3;
 use crate::contact::cells::Cells;
-use crate::contact::hertz;
+use crate::contact::{Other, hertz};
 use crate::heap;
 use crate::model::Model;
 use crate::wall::{self, Bounds};
@@ -29,6 +29,12 @@ pub struct Neighbours {
     pub walls: Vec<u8>,
     /// Hertz' M of each grain with a wall \[N/m^1.5\], shape (n).
     pub wall_modulus: Vec<f64>,
+    /// Mutual approach at which each pair, and each grain-wall pair, begins to press \[m\]: infinite
+    /// where cement holds both as one. Empty where all do so at 0.
+    unstressed: Vec<f64>,
+    wall_unstressed: Vec<f64>,
+    /// The pairs for which it is not 0, sorted.
+    relieved: Vec<((u32, Other), f64)>,
     /// Positions when the list was made \[m\], shape (n); empty before the first list.
     made_at: Vec<Vec3>,
     /// Box when the list was made.
@@ -122,6 +128,44 @@ impl Neighbours {
         self.made_at.extend_from_slice(position);
         self.made_in = Some(*bounds);
         self.rebuilds += 1;
+        self.mark();
+    }
+
+    /// Takes `relieved`, the pairs that do not begin to press at an approach of 0 but at another
+    /// \[m\], sorted by their bodies.
+    pub fn relieve(&mut self, relieved: impl Iterator<Item = ((u32, Other), f64)>) {
+        self.relieved.clear();
+        self.relieved.extend(relieved);
+        self.mark();
+    }
+
+    fn mark(&mut self) {
+        let Self { start, second, walls, wall_start, unstressed, wall_unstressed, .. } = self;
+        unstressed.clear();
+        wall_unstressed.clear();
+        if self.relieved.is_empty() {
+            return;
+        }
+        unstressed.resize(second.len(), 0.0);
+        wall_unstressed.resize(walls.len(), 0.0);
+        for &((i, other), approach) in &self.relieved {
+            let i = i as usize;
+            // A pair that is not listed is too far apart to press.
+            match other {
+                Other::Grain(j) => {
+                    let row = start[i] as usize..start[i + 1] as usize;
+                    if let Ok(k) = second[row.clone()].binary_search(&j) {
+                        unstressed[row.start + k] = approach;
+                    }
+                }
+                Other::Wall(w) => {
+                    let row = wall_start[i] as usize..wall_start[i + 1] as usize;
+                    if let Ok(k) = walls[row.clone()].binary_search(&w) {
+                        wall_unstressed[row.start + k] = approach;
+                    }
+                }
+            }
+        }
     }
 
     /// Makes the list anew when it no longer [`holds`](Self::holds).
@@ -140,6 +184,9 @@ impl Neighbours {
             + heap::bytes(&self.wall_start)
             + heap::bytes(&self.walls)
             + heap::bytes(&self.wall_modulus)
+            + heap::bytes(&self.unstressed)
+            + heap::bytes(&self.wall_unstressed)
+            + heap::bytes(&self.relieved)
             + heap::bytes(&self.made_at)
             + self.cells.heap_bytes()
     }
@@ -151,11 +198,24 @@ impl Neighbours {
         self.start[i] as usize..self.start[i + 1] as usize
     }
 
-    /// The walls near grain `i`.
+    /// Distance of the centres of grain `i` and the other of entry `k` of its row below which they
+    /// press \[m\].
     #[must_use]
     #[inline(always)]
-    pub fn walls_near(&self, i: usize) -> &[u8] {
-        &self.walls[self.wall_start[i] as usize..self.wall_start[i + 1] as usize]
+    pub fn reach(&self, model: &Model, i: usize, k: usize) -> f64 {
+        let reach = model.radius[i] + model.radius[self.second[k] as usize];
+        self.unstressed.get(k).map_or(reach, |approach| reach - approach)
+    }
+
+    /// The walls near grain `i`, with the distance below which it presses on them \[m\].
+    #[inline(always)]
+    pub fn walls_near(&self, model: &Model, i: usize) -> impl Iterator<Item = (u8, f64)> {
+        let row = self.wall_start[i] as usize..self.wall_start[i + 1] as usize;
+        let radius = model.radius[i];
+        let reach = move |k: usize| {
+            self.wall_unstressed.get(k).map_or(radius, |approach| radius - approach)
+        };
+        row.map(move |k| (self.walls[k], reach(k)))
     }
 }
 

@@ -4,6 +4,7 @@ use crate::contact::Other;
 use crate::measure::contacts::Contact;
 use crate::model::Model;
 use crate::report::{ContactNetwork, ContactState};
+use crate::state::Condition;
 
 /// Lists `counted` contacts by grain index of the pack file, the smaller one first.
 #[must_use]
@@ -79,5 +80,10 @@ fn sorted(rows: Vec<Row<'_>>, grains: usize) -> Vec<Row<'_>> {
 }
 
 fn state(contact: &Contact) -> ContactState {
-    if contact.slides { ContactState::Slide } else { ContactState::Stick }
+    match contact.cement {
+        Some(Condition::Intact) => ContactState::Bonded,
+        Some(Condition::Broken(_)) => ContactState::Broken,
+        _ if contact.slides => ContactState::Slide,
+        _ => ContactState::Stick,
+    }
 }

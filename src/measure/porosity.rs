@@ -13,6 +13,7 @@ pub fn porosity(model: &Model, contacts: &[Contact], bounds: &Bounds) -> f64 {
     let spheres: f64 = model.radius.iter().map(|&r| sphere_volume(r)).sum();
     let caps: f64 = contacts
         .iter()
+        .filter(|contact| contact.overlap > 0.0)
         .map(|contact| {
             let ri = model.radius[contact.first as usize];
             match contact.second {

@@ -86,14 +86,14 @@ fn contacts(model: &Model, pose: &Pose) -> Vec<[u32; 2]> {
     let mut pairs: Vec<([u32; 2], f64)> = Vec::new();
     for (i, at) in pose.position.iter().enumerate() {
         let first = model.order[i];
-        for &j in &near.second[near.row(i)] {
-            let j = j as usize;
+        for k in near.row(i) {
+            let j = near.second[k] as usize;
             let second = model.order[j];
-            let overlap = model.radius[i] + model.radius[j] - (at - pose.position[j]).norm();
+            let overlap = near.reach(model, i, k) - (at - pose.position[j]).norm();
             pairs.push(([first.min(second), first.max(second)], overlap));
         }
-        for &wall in near.walls_near(i) {
-            let overlap = model.radius[i] - wall_gap(at, usize::from(wall), &bounds);
+        for (wall, reach) in near.walls_near(model, i) {
+            let overlap = reach - wall_gap(at, usize::from(wall), &bounds);
             pairs.push(([first, wall_index(wall)], overlap));
         }
     }

@@ -14,10 +14,22 @@ use crate::wall::{self, Bounds};
 #[must_use]
 pub fn normal_forces(model: &Model, state: &State, near: &Neighbours) -> [f64; wall::COUNT] {
     let grains = (&*state.position, &*state.carries);
-    normal_forces_in(model, near, grains, &state.bounds(model))
+    let bounds = state.bounds(model);
+    let mut forces = normal_forces_in(model, near, grains, &bounds);
+    let Some(cement) = &model.cement else { return forces };
+    for bond in state.bonds.iter().filter(|bond| bond.holds()) {
+        if let Other::Wall(w) = bond.second {
+            let w = usize::from(w);
+            let mut normal = Vec3::zeros();
+            normal[wall::axis(w)] = wall::inward(w);
+            let law = model.law_of(cement, bond);
+            forces[w] += bond.force(&law, &normal, &state.position, &bounds);
+        }
+    }
+    forces
 }
 
-/// The same of the grains at `position` that `carries` marks, in the box `bounds`.
+/// Normal force of the contacts without cement on each wall \[N\], for the grains at `position` that `carries` marks, in the box `bounds`.
 #[must_use]
 pub fn normal_forces_in(
     model: &Model,
@@ -27,9 +39,9 @@ pub fn normal_forces_in(
 ) -> [f64; wall::COUNT] {
     let mut forces = [0.0; wall::COUNT];
     for i in (0..model.len()).filter(|&i| carries[i]) {
-        for &wall in near.walls_near(i) {
+        for (wall, reach) in near.walls_near(model, i) {
             let w = usize::from(wall);
-            let overlap = model.radius[i] - wall_gap(&position[i], w, bounds);
+            let overlap = reach - wall_gap(&position[i], w, bounds);
             if overlap > 0.0 {
                 forces[w] += hertz::force(near.wall_modulus[i], overlap);
             }

@@ -1,5 +1,6 @@
 //! What a specimen remembers of its loading besides where its grains are.
 
+mod bond;
 mod check;
 mod file;
 
@@ -7,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::wall;
 
+pub use bond::{BondMemory, Kept};
 pub use file::history_file;
 pub(super) use file::{parse, read, to_json};
 
@@ -19,6 +21,9 @@ pub struct History {
     pub rotation: Vec<[f64; 3]>,
     /// The load-carrying contacts, sorted by (first, second).
     pub contacts: Vec<ContactMemory>,
+    /// What was cemented, sorted by (first, second); empty without cement.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bonds: Vec<BondMemory>,
 }
 
 /// What one contact remembers.

@@ -8,11 +8,13 @@
 //! stiffnesses, because a stable pack resists its wall. A tenth of it covers what the solve has not
 //! found. `docs/accuracy.md` has the measurements behind the factors.
 
+use crate::contact::Other;
 use crate::contact::hertz;
 use crate::contact::neighbours::wall_gap;
 use crate::model::Model;
 use crate::relax::balance::Sums;
 use crate::relax::linear::Inner;
+use crate::relax::tangential::Traction;
 use crate::relax::{Outcome, Status, Workspace};
 use crate::state::State;
 use crate::wall;
@@ -33,7 +35,7 @@ const MOST_SHIFTS: u32 = 20;
 /// equilibrium of the branch that `state` is on; `here` is the outcome that led to it. Infinite
 /// where the linearised balance says nothing.
 ///
-/// To be taken before the tangential loads are committed: they are those of the equilibrium.
+/// To be taken while the reference is still the one that led to the equilibrium.
 #[must_use]
 pub fn wall_force_error(model: &Model, state: &State, work: &mut Workspace, here: &Outcome) -> f64 {
     let sums = &here.sums;
@@ -47,14 +49,14 @@ pub fn wall_force_error(model: &Model, state: &State, work: &mut Workspace, here
     }
     let largest = work.balance.largest();
     if largest == 0.0 {
-        return rounding(model, state, sums);
+        return rounding(model, state, work, sums);
     }
     if !predict(model, work, largest) {
         return f64::INFINITY;
     }
     let Change { force, stiffness } = change(model, state, work);
     let energy = (-work.slope(&work.balance)).max(0.0);
-    PREDICTED * force + BOUND * (stiffness * energy).sqrt() + rounding(model, state, sums)
+    PREDICTED * force + BOUND * (stiffness * energy).sqrt() + rounding(model, state, work, sums)
 }
 
 /// Solves for the step to the equilibrium, with a shift where the state is no minimum; says whether
@@ -92,14 +94,21 @@ fn change(model: &Model, state: &State, work: &Workspace) -> Change {
     let mut force = [0.0_f64; wall::COUNT];
     let mut stiffness = [0.0; wall::COUNT];
     for i in (0..model.len()).filter(|&i| state.carries[i]) {
-        for &wall in work.neighbours.walls_near(i) {
+        for (wall, reach) in work.neighbours.walls_near(model, i) {
             let w = usize::from(wall);
-            let overlap = model.radius[i] - wall_gap(&state.position[i], w, &bounds);
+            let overlap = reach - wall_gap(&state.position[i], w, &bounds);
             if overlap > 0.0 {
                 let k = hertz::stiffness(work.neighbours.wall_modulus[i], overlap);
                 stiffness[w] += k;
                 force[w] -= k * work.step[i][wall::axis(w)] * wall::inward(w);
             }
+        }
+    }
+    for (held, traction) in work.reference.contacts.iter().zip(&work.balance.tractions) {
+        if let (Other::Wall(wall), true) = (held.second, held.is_bonded()) {
+            let (w, k) = (usize::from(wall), f64::from(traction.axial));
+            stiffness[w] += k;
+            force[w] -= k * work.step[held.first as usize][wall::axis(w)] * wall::inward(w);
         }
     }
     let largest = |list: [f64; wall::COUNT]| list.into_iter().fold(0.0, f64::max);
@@ -108,13 +117,16 @@ fn change(model: &Model, state: &State, work: &Workspace) -> Change {
 
 /// What double precision leaves undecided \[N\]: every contact's force is off by its stiffness
 /// times the rounding of a coordinate, in no order.
-fn rounding(model: &Model, state: &State, sums: &Sums) -> f64 {
+fn rounding(model: &Model, state: &State, work: &Workspace, sums: &Sums) -> f64 {
     if sums.contacts == 0 {
         return 0.0;
     }
     let bounds = state.bounds(model);
     let far = bounds.min.iter().chain(&bounds.max).fold(0.0_f64, |far, x| far.max(x.abs()));
     // 3/2 P/h of all contacts together.
-    let stiffness = 1.5 * sums.force / sums.overlap;
+    let hertz = 1.5 * sums.force / sums.overlap;
+    // Cement may resist without carrying anything.
+    let axial = |t: &Traction| f64::from(t.axial);
+    let stiffness = work.balance.tractions.iter().map(axial).fold(hertz, f64::max);
     stiffness * far * f64::EPSILON * f64::from(sums.contacts).sqrt()
 }

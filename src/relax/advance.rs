@@ -2,12 +2,13 @@
 
 use crate::measure::walls;
 use crate::model::Model;
+use crate::relax::breakage::{self, Crack};
 use crate::relax::jump::{Carried, Jump};
 use crate::relax::servo::{self, Drive};
 use crate::relax::tangential::Changes;
 use crate::relax::{Outcome, Status, Workspace, accuracy, newton, relax};
 use crate::scene::{Method, Update};
-use crate::state::State;
+use crate::state::{Ledger, State};
 use crate::wall::{self, Bounds, Control, Load, Setpoint};
 
 /// A sub-increment is never smaller than this share of `solver.max_strain_increment`, so that
@@ -46,6 +47,8 @@ pub struct Advance {
     pub crept: f64,
     /// Instabilities that the pack went through, in order.
     pub jumps: Vec<Jump>,
+    /// Bonds that broke, in order.
+    pub cracks: Vec<Crack>,
     /// Contacts that opened and formed, and what is left of the error of freezing the limits.
     pub changes: Changes,
 }
@@ -72,6 +75,7 @@ pub fn advance(
         wall_force_error: 0.0,
         crept: 0.0,
         jumps: Vec::new(),
+        cracks: Vec::new(),
         changes: Changes::default(),
     };
     work.neighbours.refresh(model, &state.position, &state.bounds(model));
@@ -129,6 +133,8 @@ pub fn advance(
             share *= 0.5;
         }
         so_far.substeps += 1;
+        let changes = work.commit(model, state);
+        so_far.add(changes);
         let next = walls::normal_forces(model, state, &work.neighbours);
         if crept {
             // What was lost on the way is asked for anew.
@@ -139,17 +145,88 @@ pub fn advance(
                 accuracy::wall_force_error(model, state, work, &so_far.outcome);
         }
         so_far.jumps.append(&mut work.jumps);
-        let changes = work.commit(model, state);
-        so_far.changes.opened += changes.opened;
-        so_far.changes.formed += changes.formed;
-        so_far.changes.excess = so_far.changes.excess.max(changes.excess);
-        for w in 0..wall::COUNT {
-            let path = state.displacement[w] - last.displacement[w];
-            state.wall_work += 0.5 * (forces[w] + next[w]) * path;
-        }
+        add_work(state, &last.displacement, &forces, &next);
         forces = next;
+        if !crack(model, state, work, &drives, &mut so_far, &mut forces) {
+            state.copy_from(&start);
+            so_far.jumps.clear();
+            so_far.cracks.clear();
+            return so_far;
+        }
     }
     so_far
+}
+
+impl Advance {
+    fn add(&mut self, changes: Changes) {
+        self.changes.opened += changes.opened;
+        self.changes.formed += changes.formed;
+        self.changes.excess = self.changes.excess.max(changes.excess);
+    }
+}
+
+/// Breaks the overloaded bonds of `state`, an equilibrium, one by one, with walls that stand or keep
+/// their loads. Says whether there was an equilibrium after each.
+fn crack(
+    model: &Model,
+    state: &mut State,
+    work: &mut Workspace,
+    drives: &[Drive],
+    so_far: &mut Advance,
+    forces: &mut [f64; wall::COUNT],
+) -> bool {
+    let cracks = so_far.cracks.len();
+    while let Some((place, crack)) = breakage::weakest(model, state) {
+        let before = state.displacement;
+        let had = so_far.outcome.sums.energy + ledger(state) - state.wall_work;
+        breakage::break_bond(state, place, crack.mode);
+        work.begin(model, state);
+        work.jumps.clear();
+        work.servo.begin(drives, STRETCH * strain_limit(model, &so_far.outcome));
+        let outcome = solve(model, state, work);
+        work.servo.begin(&[], 0.0);
+        so_far.outcome = outcome;
+        so_far.iterations += outcome.iterations;
+        so_far.descents += outcome.descents;
+        if !outcome.status.is_equilibrium() {
+            return false;
+        }
+        so_far.cracks.push(crack);
+        so_far.jumps.append(&mut work.jumps);
+        let changes = work.commit(model, state);
+        so_far.add(changes);
+        let next = walls::normal_forces(model, state, &work.neighbours);
+        add_work(state, &before, forces, &next);
+        *forces = next;
+        // What is neither stored nor lost by slip was lost with the cement.
+        let has = outcome.sums.energy + ledger(state) - state.wall_work;
+        state.friction.broken += had - has;
+    }
+    if so_far.cracks.len() > cracks {
+        let outcome = &so_far.outcome;
+        so_far.wall_force_error = accuracy::wall_force_error(model, state, work, outcome);
+    }
+    true
+}
+
+/// Energy that shear, torsion and cement store, and what slip has taken \[J\].
+fn ledger(state: &State) -> f64 {
+    let Ledger { stored, slip, renewal, .. } = state.friction;
+    stored + slip + renewal
+}
+
+/// Adds the work of the walls on the way of `state` from the displacements `from`, on which their
+/// normal forces went from `before` to `after`.
+fn add_work(
+    state: &mut State,
+    from: &[f64; wall::COUNT],
+    before: &[f64; wall::COUNT],
+    after: &[f64; wall::COUNT],
+) {
+    for w in 0..wall::COUNT {
+        let path = state.displacement[w] - from[w];
+        state.wall_work += 0.5 * (before[w] + after[w]) * path;
+    }
 }
 
 /// Where the walls that stand shall go; those under a load are where they are.

@@ -91,6 +91,8 @@ pub struct Balance {
     pub tractions: Vec<Traction>,
     /// Sum of the potentials of shear and torsion \[J\].
     pub shear_potential: f64,
+    /// Normal force of cement on each wall \[N\].
+    pub cement_on_walls: [f64; wall::COUNT],
     /// Totals.
     pub sums: Sums,
     /// Force on the walls of each drive of the servo beyond its load \[N\].
@@ -335,13 +337,13 @@ impl Kernel for Fill<'_, '_> {
             if !carries[i] {
                 continue;
             }
-            let (xi, ri) = (position[i], model.radius[i]);
+            let xi = position[i];
             for k in neighbours.row(i) {
                 let j = neighbours.second[k];
                 let branch = xi - position[j as usize]; // r_ij, from j to i
-                let reach = ri + model.radius[j as usize];
+                let reach = neighbours.reach(model, i, k);
                 let square = branch.norm_squared();
-                if square >= reach * reach || !carries[j as usize] {
+                if square >= reach * reach || reach <= 0.0 || !carries[j as usize] {
                     continue;
                 }
                 let n = batch.count;
@@ -357,9 +359,9 @@ impl Kernel for Fill<'_, '_> {
                     part.empty(&mut batch, &mut sums, at, scale);
                 }
             }
-            for &wall in neighbours.walls_near(i) {
+            for (wall, reach) in neighbours.walls_near(model, i) {
                 let wall = usize::from(wall);
-                let overlap = ri - wall_gap(&xi, wall, at.bounds); // (2.4b)
+                let overlap = reach - wall_gap(&xi, wall, at.bounds); // (2.4b)
                 if overlap > 0.0 {
                     let modulus = neighbours.wall_modulus[i];
                     let force = hertz::force(modulus, overlap);
@@ -368,7 +370,7 @@ impl Kernel for Fill<'_, '_> {
                     sums.overlap += overlap;
                     sums.contacts += 1;
                     let axis = wall::axis(wall);
-                    sums.virial[axis] += force * (ri - overlap);
+                    sums.virial[axis] += force * (reach - overlap);
                     part.gradient[row][axis] -= force * wall::inward(wall);
                     part.wall_stiffness[row][axis] +=
                         (hertz::stiffness(modulus, overlap) * scale) as f32;

@@ -208,7 +208,9 @@ impl Local {
         let sign = if *second { -1.0 } else { 1.0 };
         let f = e.cross(&n);
         let plane = Matrix3::identity() - n * n.transpose();
-        let u = plane * across + e * e.transpose() * sliding;
+        let (axial, bending) = (f64::from(traction.axial), f64::from(traction.bending));
+        let u = plane * across + e * e.transpose() * sliding + n * n.transpose() * axial
+            - Matrix3::identity() * bending;
         let uw = (n.cross_matrix() * across + e * f.transpose() * sliding) * (sign * lever);
         let w = (plane * across + f * f.transpose() * sliding) * (lever * lever)
             + n * n.transpose() * twist;

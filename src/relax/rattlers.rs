@@ -8,7 +8,7 @@ use crate::contact::Other;
 use crate::contact::neighbours::{Neighbours, wall_gap};
 use crate::heap;
 use crate::model::Model;
-use crate::relax::rows::Rows;
+use crate::relax::rows::{Near, Rows};
 use crate::relax::{Workspace, newton};
 use crate::state::State;
 use crate::wall::Bounds;
@@ -37,8 +37,8 @@ pub fn weighs(model: &Model, i: usize, mean_force: f64) -> bool {
 /// Scratch of this module.
 #[derive(Clone, Debug, Default)]
 pub struct Rattlers {
-    /// Neighbours of the grains that need it, with Hertz' M.
-    near: Rows<(u32, f64)>,
+    /// Neighbours of the grains that need it.
+    near: Rows<Near>,
     degree: Vec<u32>,
     stack: Vec<u32>,
 }
@@ -50,10 +50,6 @@ impl Rattlers {
     }
 }
 
-fn overlap(model: &Model, position: &[Vec3], i: usize, j: usize) -> f64 {
-    model.radius[i] + model.radius[j] - (position[i] - position[j]).norm()
-}
-
 /// Marks in `state.carries` the grains that are left when those with too few contacts are taken
 /// away, and then those that lost their support by it, and so on. A contact that can carry shear
 /// counts twice: two of them hold a grain.
@@ -61,31 +57,37 @@ pub fn find(model: &Model, state: &mut State, work: &mut Workspace) {
     let n = model.len();
     let bounds = state.bounds(model);
     let position = &state.position;
+    let apart = |i: usize, j: usize| (position[i] - position[j]).norm();
     work.neighbours.refresh(model, position, &bounds);
     let Workspace { neighbours, rattlers, reference, .. } = work;
     let least = FAINT * mean_overlap(model, position, &bounds, neighbours);
-    rattlers.near.fill_pairs(neighbours, n, |i, j| overlap(model, position, i, j) > least);
+    rattlers.near.fill_pairs(neighbours, model, |i, j, reach| reach - apart(i, j) > least);
     rattlers.degree.clear();
     rattlers.degree.extend_from_slice(rattlers.near.lengths());
     let holds = |i: u32, second: Other| u32::from(reference.holds(i, second, least));
     for (i, at) in position.iter().enumerate() {
-        for &wall in neighbours.walls_near(i) {
+        for (wall, reach) in neighbours.walls_near(model, i) {
             let gap = wall_gap(at, usize::from(wall), &bounds);
-            if model.radius[i] - gap > least {
+            if reach - gap > least {
                 rattlers.degree[i] += 1 + holds(i as u32, Other::Wall(wall));
             }
         }
     }
-    for held in reference.contacts.iter().filter(|held| held.reference_overlap > least) {
-        if let Other::Grain(j) = held.second {
-            let (i, j) = (held.first as usize, j as usize);
-            if overlap(model, position, i, j) > least {
-                rattlers.degree[i] += 1;
-                rattlers.degree[j] += 1;
+    let needed = model.contacts_to_carry();
+    for held in &reference.contacts {
+        let shears = held.reference_overlap > least && held.present_overlap(model, state) > least;
+        // Cement alone holds a grain: it goes where its neighbour goes.
+        let counts = if held.is_bonded() { needed } else { u32::from(shears) };
+        match held.second {
+            Other::Grain(j) => {
+                rattlers.degree[held.first as usize] += counts;
+                rattlers.degree[j as usize] += counts;
             }
+            // Shear at a wall was counted above.
+            Other::Wall(_) if held.is_bonded() => rattlers.degree[held.first as usize] += counts,
+            Other::Wall(_) => {}
         }
     }
-    let needed = model.contacts_to_carry();
     rattlers.stack.clear();
     for i in 0..n {
         state.carries[i] = rattlers.degree[i] >= needed;
@@ -94,8 +96,8 @@ pub fn find(model: &Model, state: &mut State, work: &mut Workspace) {
         }
     }
     while let Some(i) = rattlers.stack.pop() {
-        for &(j, _) in rattlers.near.row(i as usize) {
-            let j = j as usize;
+        for near in rattlers.near.row(i as usize) {
+            let j = near.second as usize;
             rattlers.degree[j] -= 1 + holds(i, Other::Grain(j as u32));
             if state.carries[j] && rattlers.degree[j] < needed {
                 state.carries[j] = false;
@@ -116,10 +118,11 @@ fn mean_overlap(model: &Model, position: &[Vec3], bounds: &Bounds, near: &Neighb
     };
     for i in 0..model.len() {
         for k in near.row(i) {
-            add(overlap(model, position, i, near.second[k] as usize));
+            let apart = (position[i] - position[near.second[k] as usize]).norm();
+            add(near.reach(model, i, k) - apart);
         }
-        for &wall in near.walls_near(i) {
-            add(model.radius[i] - wall_gap(&position[i], usize::from(wall), bounds));
+        for (wall, reach) in near.walls_near(model, i) {
+            add(reach - wall_gap(&position[i], usize::from(wall), bounds));
         }
     }
     sum / f64::from(count.max(1))
@@ -143,8 +146,8 @@ pub fn settle(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
         neighbours.refresh(model, &state.position, &bounds);
         if listed != Some(neighbours.rebuilds) {
             let carries = &state.carries;
-            let floats = |i: usize, j: usize| !carries[i] || !carries[j];
-            rattlers.near.fill_pairs(neighbours, model.len(), floats);
+            let floats = |i: usize, j: usize, _| !carries[i] || !carries[j];
+            rattlers.near.fill_pairs(neighbours, model, floats);
             listed = Some(neighbours.rebuilds);
         }
         let mut quiet = true;
@@ -194,16 +197,18 @@ pub fn release(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
         }
         support[i] += balance.wall_stiffness[i].iter().filter(|&&k| k > 0.0).count() as u32;
     }
+    let needed = model.contacts_to_carry();
     for (held, traction) in reference.contacts.iter().zip(&balance.tractions) {
         let holds = traction.live && !traction.slides;
-        if holds && held.present_overlap(model, state) > 0.0 {
-            support[held.first as usize] += 1;
+        let bonded = held.is_bonded();
+        if holds && (bonded || held.present_overlap(model, state) > 0.0) {
+            let counts = if bonded { needed } else { 1 };
+            support[held.first as usize] += counts;
             if let Other::Grain(j) = held.second {
-                support[j as usize] += 1;
+                support[j as usize] += counts;
             }
         }
     }
-    let needed = model.contacts_to_carry();
     let mean_force = balance.sums.mean_force();
     let force = |i: usize| {
         let moment = balance.moment.get(i).map_or(0.0, Vec3::norm);

@@ -2,6 +2,7 @@
 
 use crate::contact::neighbours::Neighbours;
 use crate::heap;
+use crate::model::Model;
 
 /// Entries of each grain, one grain after the other.
 #[derive(Clone, Debug, Default)]
@@ -52,24 +53,32 @@ impl<T: Copy + Default> Rows<T> {
     }
 }
 
-impl Rows<(u32, f64)> {
-    /// Lists the pairs of grains both ways that satisfy `keep`, with Hertz' M.
+/// A grain that another can touch.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Near {
+    pub(super) second: u32,
+    /// Hertz' M \[N/m^1.5\].
+    pub(super) modulus: f64,
+    /// Distance of the centres below which they press \[m\].
+    pub(super) reach: f64,
+}
+
+impl Rows<Near> {
+    /// Lists the pairs of grains both ways that satisfy `keep`.
     pub(super) fn fill_pairs(
         &mut self,
         neighbours: &Neighbours,
-        n: usize,
-        keep: impl Fn(usize, usize) -> bool,
+        model: &Model,
+        keep: impl Fn(usize, usize, f64) -> bool,
     ) {
-        let pairs = |i: usize| {
-            neighbours
-                .row(i)
-                .map(move |k| (i, neighbours.second[k] as usize, neighbours.modulus[k]))
+        let pairs =
+            |i: usize| neighbours.row(i).map(move |k| (i, neighbours.second[k] as usize, k));
+        let both = |(i, j, k): (usize, usize, usize)| {
+            let (modulus, reach) = (neighbours.modulus[k], neighbours.reach(model, i, k));
+            let near = |second: usize| Near { second: second as u32, modulus, reach };
+            [(i, near(j)), (j, near(i))]
         };
-        self.fill(n, || {
-            (0..n)
-                .flat_map(pairs)
-                .filter(|&(i, j, _)| keep(i, j))
-                .flat_map(|(i, j, modulus)| [(i, (j as u32, modulus)), (j, (i as u32, modulus))])
-        });
+        let keeps = |&(i, j, k): &(usize, usize, usize)| keep(i, j, neighbours.reach(model, i, k));
+        self.fill(model.len(), || (0..model.len()).flat_map(pairs).filter(keeps).flat_map(both));
     }
 }

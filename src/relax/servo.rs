@@ -153,11 +153,13 @@ impl Servo {
         near: &Neighbours,
         grains: (&[Vec3], &[bool]),
         bounds: &Bounds,
+        cement: &[f64; wall::COUNT],
     ) -> [f64; 3] {
         if self.drives.is_empty() {
             return [0.0; 3];
         }
-        let forces = walls::normal_forces_in(model, near, grains, bounds);
+        let mut forces = walls::normal_forces_in(model, near, grains, bounds);
+        forces.iter_mut().zip(cement).for_each(|(force, cement)| *force += cement);
         std::array::from_fn(|a| match self.drives.get(a) {
             Some(drive) => drive.force(&forces) - drive.goal(bounds),
             None => 0.0,

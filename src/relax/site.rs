@@ -4,7 +4,7 @@ use crate::Vec3;
 use crate::contact::Other;
 use crate::contact::neighbours::{Neighbours, wall_gap};
 use crate::model::Model;
-use crate::relax::rows::Rows;
+use crate::relax::rows::{Near, Rows};
 use crate::relax::tangential::{Held, Pose, Pull, Reference, Traction};
 use crate::wall::{self, Bounds};
 
@@ -21,8 +21,8 @@ pub(super) struct Others<'a> {
 /// What each grain can touch.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Adjacency {
-    /// Neighbours, with Hertz' M.
-    near: Rows<(u32, f64)>,
+    /// Neighbours.
+    near: Rows<Near>,
     /// Contacts at the reference.
     held: Rows<u32>,
     /// The neighbour list that `near` was made of.
@@ -41,7 +41,7 @@ impl Adjacency {
     pub(super) fn refresh(&mut self, others: &Others<'_>) {
         let Others { model, neighbours, reference, .. } = *others;
         if self.listed != Some(neighbours.rebuilds) {
-            self.near.fill_pairs(neighbours, model.len(), |_, _| true);
+            self.near.fill_pairs(neighbours, model, |_, _, _| true);
             self.listed = Some(neighbours.rebuilds);
         }
         if !self.knows_held {
@@ -98,8 +98,8 @@ impl Grip<'_> {
     /// Gradient of the energy of the contact, and that with respect to w = ΩR \[N\].
     pub(super) fn gradient(&self, radius: f64) -> [Vec3; 2] {
         let sign = if self.second { -1.0 } else { 1.0 };
-        let Pull { force, lever, couple, arm, .. } = &self.pull;
-        [-force * sign, (lever * arm[usize::from(self.second)] - couple * sign) / radius]
+        let Pull { force, moment, .. } = &self.pull;
+        [-force * sign, moment[usize::from(self.second)] / radius]
     }
 }
 
@@ -108,21 +108,21 @@ impl<'a> Site<'a> {
     pub(super) fn presses(&self, i: usize, mut take: impl FnMut(Press)) {
         let Self { others, adjacency, position, .. } = *self;
         let Others { model, neighbours, carries, bounds, .. } = *others;
-        let (xi, ri) = (position[i], model.radius[i]);
-        for &(j, modulus) in adjacency.near.row(i).iter().filter(|(j, _)| carries[*j as usize]) {
-            let branch = xi - position[j as usize];
-            let reach = ri + model.radius[j as usize];
+        let xi = position[i];
+        let near = adjacency.near.row(i).iter().filter(|near| carries[near.second as usize]);
+        for &Near { second, modulus, reach } in near {
+            let branch = xi - position[second as usize];
             let distance2 = branch.norm_squared();
-            if distance2 < reach * reach {
+            if reach > 0.0 && distance2 < reach * reach {
                 let distance = distance2.sqrt();
                 let normal = branch / distance;
                 let overlap = reach - distance;
                 take(Press { modulus, overlap, normal, curvature: 1.0 / distance });
             }
         }
-        for &wall in neighbours.walls_near(i) {
+        for (wall, reach) in neighbours.walls_near(model, i) {
             let wall = usize::from(wall);
-            let overlap = ri - wall_gap(&xi, wall, bounds);
+            let overlap = reach - wall_gap(&xi, wall, bounds);
             if overlap > 0.0 {
                 let mut normal = Vec3::zeros();
                 normal[wall::axis(wall)] = wall::inward(wall);

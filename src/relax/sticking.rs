@@ -6,7 +6,7 @@ use crate::relax::sym6::Sym6;
 use crate::relax::tangential::{Held, Traction};
 
 /// The block of grain i (`second` false) or j of the contact, for displacement u and rotation times
-/// radius w, without its normal part; `scale` multiplies stiffnesses.
+/// radius w, with the normal part of cement alone; `scale` multiplies stiffnesses.
 ///
 /// The sliding displacement is ±T u + λ n̂ × w with λ = arm/R.
 pub(super) fn block(
@@ -21,8 +21,9 @@ pub(super) fn block(
     let twist = (held.torsion_stiffness * scale / (radius * radius)) as f32;
     let lever = traction.arm[usize::from(second)] / radius as f32;
     let a = if second { -lever * shear } else { lever * shear };
+    let axial = (f64::from(traction.axial) * scale) as f32;
     Sym6 {
-        u: isotropic_across(n, shear, 0.0),
+        u: isotropic_across(n, shear, axial.max(0.0)),
         w: isotropic_across(n, lever * lever * shear, twist),
         uw: [[0.0, -a * n[2], a * n[1]], [a * n[2], 0.0, -a * n[0]], [-a * n[1], a * n[0], 0.0]],
     }

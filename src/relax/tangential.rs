@@ -6,6 +6,8 @@
 //! theirs until then (T 3.3.2: stiffness and limit are those of the unperturbed contact).
 
 mod batch;
+mod begin;
+mod bonded;
 mod commit;
 mod held;
 mod slope;
@@ -15,18 +17,19 @@ use rayon::prelude::*;
 
 use crate::Vec3;
 use crate::contact::Other;
-use crate::contact::neighbours::{Neighbours, wall_gap};
 use crate::heap;
 use crate::model::Model;
 use crate::pack::Layer;
 use crate::relax::balance::{Balance, Configuration};
 use crate::scene::Law;
-use crate::state::{Remembered, State};
+use crate::state::State;
+use crate::wall;
 
+use bonded::Bonded;
 pub use commit::Changes;
 pub use held::Held;
 pub(super) use held::Pose;
-use held::{Midway, Pair, wall_normal};
+use held::{Midway, Pair};
 pub(super) use slope::Slope;
 
 /// Contacts that one task answers for, and that are answered for before their forces are added
@@ -53,20 +56,40 @@ pub struct Traction {
     pub arm: [f32; 2],
     /// -dM_t/dΩ_t \[N m\].
     pub torsion: f32,
+    /// What cement adds to kn + P/r \[N/m\].
+    pub axial: f32,
+    /// What cement adds to P/r \[N/m\].
+    pub bending: f32,
 }
 
 /// What one contact does to the balance.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Pull {
-    /// Q on grain i \[N\].
+    /// Force on grain i \[N\]: Q, and that of cement along the normal.
     pub(super) force: Vec3,
-    /// n̂ × Q \[N\].
-    pub(super) lever: Vec3,
-    /// Couple on grain i \[N m\].
-    pub(super) couple: Vec3,
-    /// Of shear and torsion \[J\].
-    pub(super) potential: f64,
+    /// Gradients with respect to the rotations of both bodies \[N m\]: minus the moments on them.
+    pub(super) moment: [Vec3; 2],
     pub(super) arm: [f64; 2],
+    /// Of shear and torsion, and of cement along the normal \[J\].
+    pub(super) potential: f64,
+    /// Magnitude of the normal force that cement carries by itself \[N\].
+    pub(super) cement: f64,
+}
+
+impl Pull {
+    /// Of the tangential force Q and the couple about the normal n̂.
+    #[inline(always)]
+    pub(super) fn of(
+        normal: &Vec3,
+        arm: &[f64; 2],
+        force: &Vec3,
+        couple: f64,
+        potential: f64,
+    ) -> Self {
+        let (lever, couple) = (normal.cross(force), normal * couple);
+        let moment = [lever * arm[0] - couple, lever * arm[1] + couple];
+        Self { force: *force, moment, arm: *arm, potential, cement: 0.0 }
+    }
 }
 
 /// All contacts at the reference configuration; empty for a frictionless specimen.
@@ -76,6 +99,8 @@ pub struct Reference {
     pub contacts: Vec<Held>,
     /// Layers of all contacts, for partial slip.
     layers: Vec<Layer>,
+    /// Cement of the contacts that have some.
+    bonds: Vec<Bonded>,
     /// Rotations at the reference \[rad\], shape (n).
     rotation: Vec<Vec3>,
     /// Whether the specimen has friction.
@@ -85,67 +110,12 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// Takes the equilibrium `state` as reference. With `lenient` a contact may carry what it
-    /// remembers although that is beyond the limit now.
-    pub fn begin(&mut self, model: &Model, state: &State, near: &Neighbours, lenient: bool) {
-        let Some(friction) = &model.friction else { return };
-        self.active = true;
-        self.rotation.clone_from(&state.rotation);
-        self.contacts.clear();
-        self.layers.clear();
-        let bounds = state.bounds(model);
-        let mut memory = state.memory.contacts.iter().peekable();
-        let mut passed = 0;
-        let mut push = |first: usize, second: Other, branch: Vec3, normal: Vec3, overlap: f64| {
-            if overlap <= 0.0 {
-                return;
-            }
-            let key = (first as u32, second);
-            while let Some(other) = memory.next_if(|m| m.key() < key) {
-                passed += other.layers as usize;
-            }
-            let pair = Pair::of(model, friction, key.0, second);
-            if pair.friction == 0.0 {
-                return;
-            }
-            let nothing = Remembered {
-                first: key.0,
-                second,
-                shear: Vec3::zeros(),
-                torsion: 0.0,
-                slides: false,
-                layers: 0,
-            };
-            let carried = memory.next_if(|m| m.key() == key).copied().unwrap_or(nothing);
-            let layers = &state.memory.layers[passed..passed + carried.layers as usize];
-            passed += layers.len();
-            let mut held = Held::new(&pair, carried, [branch, normal], overlap, friction.torsion);
-            if friction.law == Law::MindlinDeresiewicz {
-                held.take_layers(layers, &mut self.layers);
-            }
-            if lenient {
-                held.be_lenient();
-            }
-            self.contacts.push(held);
-        };
-        for (i, at) in state.position.iter().enumerate() {
-            for k in near.row(i) {
-                let j = near.second[k];
-                let branch = at - state.position[j as usize];
-                let reach = model.radius[i] + model.radius[j as usize];
-                let distance = branch.norm();
-                push(i, Other::Grain(j), branch, branch / distance, reach - distance);
-            }
-            for &w in near.walls_near(i) {
-                let gap = wall_gap(at, usize::from(w), &bounds);
-                push(i, Other::Wall(w), *at, wall_normal(w), model.radius[i] - gap);
-            }
-        }
-    }
-
     /// Memory that its lists hold \[bytes\].
     pub(crate) fn heap_bytes(&self) -> usize {
-        heap::bytes(&self.contacts) + heap::bytes(&self.layers) + heap::bytes(&self.rotation)
+        heap::bytes(&self.contacts)
+            + heap::bytes(&self.layers)
+            + heap::bytes(&self.rotation)
+            + self.bond_bytes()
     }
 
     /// Whether the pair carried load at the reference by more than `least` \[m\] of overlap.
@@ -160,6 +130,12 @@ impl Reference {
             .is_ok_and(|k| self.contacts[k].reference_overlap > least)
     }
 
+    /// Whether cement holds any bodies together.
+    #[must_use]
+    pub fn is_cemented(&self) -> bool {
+        !self.bonds.is_empty()
+    }
+
     /// Adds the tangential forces in the configuration `at` to `balance`.
     pub(super) fn evaluate(&self, balance: &mut Balance, at: &Configuration<'_>) {
         let Some(friction) = &at.model.friction else { return };
@@ -170,7 +146,9 @@ impl Reference {
         balance.moment.clear();
         balance.moment.resize(at.position.len(), Vec3::zeros());
         balance.shear_potential = 0.0;
+        balance.cement_on_walls = [0.0; wall::COUNT];
         let Balance { tractions, pulls, gradient, moment, shear_potential, .. } = balance;
+        let Balance { sums, cement_on_walls, .. } = balance;
         for (tractions, contacts) in tractions.chunks_mut(BATCH).zip(self.contacts.chunks(BATCH)) {
             let pulls = &mut pulls[..contacts.len()];
             let tasks = tractions.par_chunks_mut(CHUNK).zip(pulls.par_chunks_mut(CHUNK));
@@ -187,13 +165,17 @@ impl Reference {
             });
             for (held, pull) in contacts.iter().zip(&*pulls) {
                 *shear_potential += pull.potential;
+                if held.is_bonded() {
+                    let present = held.overlap_at(&pose);
+                    self.count(held, pull, present, sums, cement_on_walls);
+                }
                 let i = held.first as usize;
                 gradient[i] -= pull.force;
-                moment[i] += pull.lever * pull.arm[0] - pull.couple;
+                moment[i] += pull.moment[0];
                 if let Other::Grain(j) = held.second {
                     let j = j as usize;
                     gradient[j] += pull.force;
-                    moment[j] += pull.lever * pull.arm[1] + pull.couple;
+                    moment[j] += pull.moment[1];
                 }
             }
         }
@@ -216,11 +198,13 @@ impl Reference {
             return Default::default();
         }
         let motion = held.motion(pose, &self.rotation);
-        match self.sticks && !held.carried.slides {
-            true => held.stick(&motion),
-            false => held.answer(&motion, law, &self.layers),
-        }
-        .parts()
+        let sticks = self.sticks && !held.carried.slides;
+        let answer = match () {
+            () if held.is_bonded() => held.answer(&motion, Law::ReturnMap, &[]),
+            () if sticks => held.stick(&motion),
+            () => held.answer(&motion, law, &self.layers),
+        };
+        self.with_cement(held, answer.parts(), pose)
     }
 
     /// Renews the limit with the overlaps of `state` and the stiffness with their mean with those
@@ -229,6 +213,10 @@ impl Reference {
         let Some(friction) = &model.friction else { return };
         for held in &mut self.contacts {
             let overlap = held.present_overlap(model, state);
+            if let (true, Some(cement)) = (held.is_bonded(), &model.cement) {
+                Self::renew_bond(&self.bonds, held, model, cement, overlap);
+                continue;
+            }
             let pair = Pair::of(model, friction, held.first, held.second);
             held.freeze(&pair, overlap, Midway::Yes, friction.torsion);
         }
@@ -237,6 +225,7 @@ impl Reference {
     /// Elastic energy that the contacts carried at the reference \[J\].
     #[must_use]
     pub fn carried_energy(&self) -> f64 {
-        self.contacts.iter().map(|held| held.carried_energy).sum()
+        let bonds = self.bonds.iter().map(|bond| bond.carried_energy).sum::<f64>();
+        self.contacts.iter().map(|held| held.carried_energy).sum::<f64>() + bonds
     }
 }

@@ -6,6 +6,7 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use super::Cement;
 use super::check::{Field, Problems};
 
 /// Contact laws.
@@ -32,15 +33,20 @@ impl Contact {
             let field = at.key("friction").key("coefficient");
             problems.at_least_zero(field, coulomb.coefficient, "coefficient >= 0, .inf included");
         }
+        if let Normal::Cement(cement) = &self.normal {
+            cement.check(&at.key("normal").key("cement"), problems);
+        }
     }
 }
 
 /// Normal contact law.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Normal {
     /// Hertz (T 2.2).
     Hertz,
+    /// Cemented pairs, and Hertz for the others.
+    Cement(Cement),
 }
 
 /// Tangential contact law: the word `none`, or the keys of [`Coulomb`].

@@ -61,7 +61,9 @@ impl Twin {
             state: demand.state.then(|| self.pack_state(reached, &contacts, &loaded)),
             moduli: demand.moduli.then(|| self.moduli(&loaded, &before, tangent.as_ref())),
             tangent: tangent.filter(|_| demand.tangent),
-            network: demand.contact_network.then(|| network::network(model, contacts.counted())),
+            network: demand
+                .contact_network
+                .then(|| network::network(model, contacts.counted().chain(&contacts.cracks))),
             grains: demand.grains.then(|| grains::grains(model, state, &contacts.list)),
             motion,
             fabric: demand

@@ -47,7 +47,11 @@ pub(crate) fn history(grains: u32) -> impl Strategy<Value = History> {
             sliding,
             layers,
         };
-        History { rotation, contacts: contacts.into_iter().map(contact).collect() }
+        History {
+            rotation,
+            contacts: contacts.into_iter().map(contact).collect(),
+            bonds: Vec::new(),
+        }
     })
 }
 

@@ -1,6 +1,6 @@
 //! What a contact history must keep to, whoever made it.
 
-use super::{ContactMemory, History, Layer, wall_index, wall_of};
+use super::{BondMemory, ContactMemory, History, Layer, wall_index, wall_of};
 use crate::wall;
 
 /// Most contacts a grain on average; spheres of one size have 6.
@@ -20,9 +20,10 @@ impl History {
             return Err(format!("rotations: {found} entries; allowed: {grains}, one a grain"));
         }
         let most = MOST_CONTACTS * grains;
-        if self.contacts.len() > most {
-            let found = self.contacts.len();
-            return Err(format!("contacts: {found} entries; allowed: at most {most}"));
+        for (list, found) in [("contacts", self.contacts.len()), ("bonds", self.bonds.len())] {
+            if found > most {
+                return Err(format!("{list}: {found} entries; allowed: at most {most}"));
+            }
         }
         for (grain, rotation) in self.rotation.iter().enumerate() {
             finite(rotation).map_err(|fault| format!("rotations[{grain}]{fault}"))?;
@@ -30,36 +31,48 @@ impl History {
         for (index, contact) in self.contacts.iter().enumerate() {
             contact.check(grains).map_err(|fault| format!("contacts[{index}]{fault}"))?;
         }
-        let key = |contact: &ContactMemory| (contact.first, contact.second);
-        match self.contacts.windows(2).position(|pair| key(&pair[0]) >= key(&pair[1])) {
-            None => Ok(()),
-            Some(before) => {
-                let index = before + 1;
-                let (now, then) = (key(&self.contacts[index]), key(&self.contacts[before]));
-                Err(format!(
-                    "contacts[{index}]: (first, second) = {now:?} follows {then:?}; allowed: \
-                     ascending, each pair once"
-                ))
-            }
+        for (index, bond) in self.bonds.iter().enumerate() {
+            bond.check(grains).map_err(|fault| format!("bonds[{index}]{fault}"))?;
+        }
+        ascending("contacts", self.contacts.iter().map(|c| (c.first, c.second)))?;
+        ascending("bonds", self.bonds.iter().map(|b| (b.first, b.second)))
+    }
+}
+
+/// Whether each pair follows the one before it.
+fn ascending(list: &str, pairs: impl Iterator<Item = (u32, u32)>) -> Result<(), String> {
+    let mut before = None;
+    for (index, now) in pairs.enumerate() {
+        if let Some(then) = before.replace(now).filter(|then| *then >= now) {
+            return Err(format!(
+                "{list}[{index}]: (first, second) = {now:?} follows {then:?}; allowed: \
+                 ascending, each pair once"
+            ));
         }
     }
+    Ok(())
+}
+
+/// Checks that `first` is a grain of `grains`, and `second` a later one or a wall.
+fn bodies(first: u32, second: u32, grains: usize) -> Result<(), String> {
+    let last = grains - 1;
+    if first as usize > last {
+        return Err(format!(".first: {first}; allowed: a grain, 0 to {last}"));
+    }
+    let is_grain = first < second && second as usize <= last;
+    if !is_grain && wall_of(second).is_none() {
+        let [low, high] = [wall::COUNT as u8 - 1, 0].map(wall_index);
+        return Err(format!(
+            ".second: {second}; allowed: a grain above first = {first} and up to {last}, or \
+                 {low} to {high} for a wall"
+        ));
+    }
+    Ok(())
 }
 
 impl ContactMemory {
     fn check(&self, grains: usize) -> Result<(), String> {
-        let Self { first, second, .. } = *self;
-        let last = grains - 1;
-        if first as usize > last {
-            return Err(format!(".first: {first}; allowed: a grain, 0 to {last}"));
-        }
-        let is_grain = first < second && second as usize <= last;
-        if !is_grain && wall_of(second).is_none() {
-            let [low, high] = [wall::COUNT as u8 - 1, 0].map(wall_index);
-            return Err(format!(
-                ".second: {second}; allowed: a grain above first = {first} and up to {last}, or \
-                 {low} to {high} for a wall"
-            ));
-        }
+        bodies(self.first, self.second, grains)?;
         finite(&self.shear).map_err(|fault| format!(".shear{fault}"))?;
         finite(&[self.torsion]).map_err(|_| wrong(".torsion", self.torsion, "a finite number"))?;
         let mut reached = 0.0;
@@ -68,6 +81,25 @@ impl ContactMemory {
             reached = layer.reach;
         }
         Ok(())
+    }
+}
+
+impl BondMemory {
+    fn check(&self, grains: usize) -> Result<(), String> {
+        bodies(self.first, self.second, grains)?;
+        for (field, length) in [(".distance", self.distance), (".radius", self.radius)] {
+            if !(length.is_finite() && length > 0.0) {
+                return Err(wrong(field, length, "a finite number above 0 m"));
+            }
+        }
+        finite(&[self.overlap]).map_err(|_| wrong(".overlap", self.overlap, "a finite number"))?;
+        for (end, arm) in self.arm.iter().enumerate() {
+            finite(arm).map_err(|fault| format!(".arm[{end}]{fault}"))?;
+        }
+        match (0.0..=1.0).contains(&self.share) {
+            true => Ok(()),
+            false => Err(wrong(".share", self.share, "0 to 1")),
+        }
     }
 }
 

@@ -27,7 +27,11 @@ pub(in crate::pack) fn to_json(history: &History, grains: usize) -> Result<Strin
     history.check(grains)?;
     let rotations = lines(&history.rotation)?;
     let contacts = lines(&history.contacts)?;
-    Ok(format!("{{\"rotations\": [\n{rotations}\n],\n\"contacts\": [\n{contacts}\n]}}\n"))
+    let bonds = match history.bonds.is_empty() {
+        true => String::new(),
+        false => format!(",\n\"bonds\": [\n{}\n]", lines(&history.bonds)?),
+    };
+    Ok(format!("{{\"rotations\": [\n{rotations}\n],\n\"contacts\": [\n{contacts}\n]{bonds}}}\n"))
 }
 
 fn lines<T: Serialize>(entries: &[T]) -> Result<String, String> {

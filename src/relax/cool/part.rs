@@ -154,7 +154,7 @@ impl Part {
                     reach: (model.radius[i] + model.radius[j]) / units.length,
                 });
             }
-            for &wall in near.walls_near(i) {
+            for (wall, _) in near.walls_near(model, i) {
                 let wall = usize::from(wall);
                 self.at_walls.push(AtWall {
                     row: (i - self.first) as u32,

@@ -59,8 +59,8 @@ impl Joint {
         Self {
             n: Four([nx, ny, nz, 0.0]),
             e: Four([ex, ey, ez, 0.0]),
-            axial: link.map_or(0.0, axial),
-            b: link.map_or(0.0, |link| link.b),
+            axial: link.map_or(0.0, axial) + t.axial * scale,
+            b: link.map_or(0.0, |link| link.b) + t.bending * scale,
             across: t.across * scale,
             sliding: t.sliding * scale,
             lever: [t.arm[0] * over_radius[0], t.arm[1] * over_radius[1]],

@@ -248,8 +248,8 @@ impl Kernel for AddBlocks<'_> {
         for i in 0..grain.len() {
             let range = pattern.row(i);
             for (joint, &j) in joints[range.clone()].iter().zip(&pattern.second[range]) {
-                bending[i] += joint.b;
-                bending[j as usize] += joint.b;
+                bending[i] += joint.b.abs();
+                bending[j as usize] += joint.b.abs();
                 joint.add_block(l, 0, &mut diagonal[i]);
                 joint.add_block(l, 1, &mut diagonal[j as usize]);
             }

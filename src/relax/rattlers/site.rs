@@ -7,6 +7,7 @@ use crate::Vec3;
 use crate::contact::hertz;
 use crate::contact::neighbours::{Neighbours, wall_gap};
 use crate::model::Model;
+use crate::relax::rows::Near;
 use crate::wall::{self, Bounds};
 
 /// Steps of one grain in one sweep.
@@ -31,8 +32,8 @@ pub(super) enum Settled {
 pub(super) struct Site<'a> {
     pub(super) model: &'a Model,
     pub(super) neighbours: &'a Neighbours,
-    /// Its neighbours with Hertz' M.
-    pub(super) near: &'a [(u32, f64)],
+    /// Its neighbours.
+    pub(super) near: &'a [Near],
     pub(super) bounds: &'a Bounds,
     pub(super) grain: usize,
     /// Whether its weight matters.
@@ -91,20 +92,19 @@ impl Site<'_> {
     }
 
     fn local(&self, position: &[Vec3], at: &Vec3) -> Local {
-        let radius = self.model.radius[self.grain];
         let mut local =
             Local { energy: 0.0, gradient: Vec3::zeros(), hessian: Matrix3::zeros(), force: 0.0 };
-        for &(j, modulus) in self.near {
-            let branch = at - position[j as usize];
+        for &Near { second, modulus, reach } in self.near {
+            let branch = at - position[second as usize];
             let distance = branch.norm();
-            let overlap = radius + self.model.radius[j as usize] - distance;
+            let overlap = reach - distance;
             if overlap > 0.0 && distance > 0.0 {
                 local.push(modulus, overlap, branch / distance, 1.0 / distance);
             }
         }
-        for &wall in self.neighbours.walls_near(self.grain) {
+        for (wall, reach) in self.neighbours.walls_near(self.model, self.grain) {
             let wall = usize::from(wall);
-            let overlap = radius - wall_gap(at, wall, self.bounds);
+            let overlap = reach - wall_gap(at, wall, self.bounds);
             if overlap > 0.0 {
                 let mut normal = Vec3::zeros();
                 normal[wall::axis(wall)] = wall::inward(wall);

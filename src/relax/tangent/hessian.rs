@@ -52,7 +52,7 @@ impl<'a> Hessian<'a> {
                 let j = neighbours.second[k] as usize;
                 let branch = position[i] - position[j];
                 let distance = branch.norm();
-                let overlap = model.radius[i] + model.radius[j] - distance;
+                let overlap = neighbours.reach(model, i, k) - distance;
                 if overlap > 0.0 && carries[j] {
                     let bending = hertz::force(neighbours.modulus[k], overlap) / distance;
                     pairs.push(Pair {
@@ -64,8 +64,8 @@ impl<'a> Hessian<'a> {
                     });
                 }
             }
-            for &wall in neighbours.walls_near(i) {
-                let overlap = model.radius[i] - wall_gap(&position[i], usize::from(wall), bounds);
+            for (wall, reach) in neighbours.walls_near(model, i) {
+                let overlap = reach - wall_gap(&position[i], usize::from(wall), bounds);
                 if overlap > 0.0 {
                     let stiffness = hertz::stiffness(neighbours.wall_modulus[i], overlap);
                     sides.push(Side { grain: i as u32, wall, stiffness });

@@ -95,8 +95,7 @@ impl Batch {
         self.carried_torsion[k] = held.carried.torsion;
         self.torsion_stiffness[k] = held.torsion_stiffness;
         self.torsion_limit[k] = limit(held.torsion_limit);
-        if held.overlap == 0.0 {
-            // Renewed while it was open: no answer to shear.
+        if held.is_open() {
             put(&mut self.carried, k, &Vec3::zeros());
             (self.stiffness[k], self.limit[k]) = (1.0, 0.0);
         }
@@ -150,15 +149,9 @@ impl Batch {
             sliding: (self.along[k] - self.across[k]) as f32,
             arm: arm.map(|arm| arm as f32),
             torsion: self.torsion[k] as f32,
+            ..Traction::default()
         };
-        let pull = Pull {
-            force,
-            lever: normal.cross(&force),
-            couple: normal * self.couple[k],
-            potential: self.potential[k],
-            arm,
-        };
-        (traction, pull)
+        (traction, Pull::of(&normal, &arm, &force, self.couple[k], self.potential[k]))
     }
 }
 
@@ -195,7 +188,7 @@ impl Kernel for Answer<'_, '_> {
             batch.answer(contacts.len());
             for (k, held) in contacts.iter().enumerate() {
                 (tractions[k], pulls[k]) = match held.live(carries) {
-                    true => batch.parts(k),
+                    true => reference.with_cement(held, batch.parts(k), pose),
                     false => Default::default(),
                 };
             }

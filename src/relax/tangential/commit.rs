@@ -46,13 +46,23 @@ impl Reference {
         ledger.stored = 0.0;
         for (held, traction) in self.contacts.iter().zip(&balance.tractions) {
             let motion = held.motion(&pose, &self.rotation);
+            if let Some(bonded) = self.bond_of(held) {
+                let (shear, torsion) = self.bond_load(held, bonded, &pose);
+                let load = (&shear, torsion);
+                let change = self.bond_ledger(held, bonded, load, &pose);
+                ledger.renewal += change.renewal;
+                ledger.stored += change.stored;
+                let nothing = Remembered { slides: false, layers: 0, ..held.carried };
+                memory.contacts.push(Remembered { shear, torsion, ..nothing });
+                continue;
+            }
             let answer = held.answer(&motion, friction.law, &self.layers);
             let (shear, torsion) = match traction.live {
                 true => (answer.shear.force, answer.torsion.couple),
                 false => (Vec3::zeros(), 0.0),
             };
             let overlap = held.present_overlap(model, state);
-            if !traction.live || held.overlap == 0.0 || overlap <= 0.0 {
+            if !traction.live || held.is_open() || overlap <= 0.0 {
                 changes.opened += 1;
                 changes.excess = changes.excess.max(shear.norm());
                 ledger.renewal += held.carried_energy;
@@ -86,6 +96,7 @@ impl Reference {
             });
         }
         state.friction = ledger;
+        self.turn_arms(state);
         std::mem::swap(&mut state.memory, memory);
         changes
     }
@@ -102,15 +113,15 @@ impl Reference {
             formed += u32::from(new && Pair::of(model, friction, key.0, second).friction > 0.0);
         };
         for (i, at) in state.position.iter().enumerate().filter(|(i, _)| state.carries[*i]) {
-            for &j in &near.second[near.row(i)] {
-                let reach = model.radius[i] + model.radius[j as usize];
+            for k in near.row(i) {
+                let (j, reach) = (near.second[k], near.reach(model, i, k).max(0.0));
                 let apart = (at - state.position[j as usize]).norm_squared();
                 if state.carries[j as usize] && apart < reach * reach {
                     count(i, Other::Grain(j));
                 }
             }
-            for &w in near.walls_near(i) {
-                if wall_gap(at, usize::from(w), &bounds) < model.radius[i] {
+            for (w, reach) in near.walls_near(model, i) {
+                if wall_gap(at, usize::from(w), &bounds) < reach {
                     count(i, Other::Wall(w));
                 }
             }
@@ -140,6 +151,7 @@ impl Held {
             stored,
             slip: self.shortening(),
             renewal: self.carried_energy - before + self.energy(shear, torsion) - stored,
+            broken: 0.0,
         }
     }
 
@@ -163,6 +175,7 @@ impl Held {
             stored: self.partial.stored(&own, self.overlap) + twisted,
             slip: self.partial.dissipated(before, &step),
             renewal: self.twist_energy(torsion) - twisted,
+            broken: 0.0,
         };
         after.extend(own.iter().map(|layer| {
             let ratio = turn.forth(&Vec3::from(layer.ratio)).into();

@@ -39,6 +39,10 @@ pub struct Held {
     pub(super) normal: Vec3,
     /// h⁰ \[m\].
     pub reference_overlap: f64,
+    /// Approach at which the bodies begin to press \[m\]: overlaps count from there.
+    unstressed: f64,
+    /// Number of the cement that holds the bodies together, or [`NO_BOND`].
+    pub(super) bond: u32,
     /// Elastic energy of what the contact carried \[J\].
     pub(super) carried_energy: f64,
     /// For partial slip: the contact, the overlap its layers end at and the first of them.
@@ -46,6 +50,9 @@ pub struct Held {
     pub(super) before: f64,
     pub(super) first_layer: u32,
 }
+
+/// No cement.
+pub(super) const NO_BOND: u32 = u32::MAX;
 
 /// Answer of a contact in another configuration.
 #[derive(Clone, Copy, Debug)]
@@ -73,15 +80,10 @@ impl Answer {
             sliding: (shear.along - shear.across) as f32,
             arm: arm.map(|arm| arm as f32),
             torsion: torsion.stiffness as f32,
+            ..Traction::default()
         };
-        let pull = Pull {
-            force: shear.force,
-            lever: normal.cross(&shear.force),
-            couple: normal * torsion.couple,
-            potential: shear.potential + torsion.potential,
-            arm: *arm,
-        };
-        (traction, pull)
+        let potential = shear.potential + torsion.potential;
+        (traction, Pull::of(normal, arm, &shear.force, torsion.couple, potential))
     }
 }
 
@@ -136,11 +138,11 @@ pub(in crate::relax) struct Pose<'a> {
 /// Constants of a pair of bodies in shear.
 pub(super) struct Pair {
     pub(super) friction: f64,
-    effective_radius: f64,
+    pub(super) effective_radius: f64,
     modulus: f64,
     compliance: f64,
-    shear_compliance: f64,
-    torsion_compliance: f64,
+    pub(super) shear_compliance: f64,
+    pub(super) torsion_compliance: f64,
 }
 
 impl Pair {
@@ -196,12 +198,13 @@ pub(super) fn wall_normal(w: u8) -> Vec3 {
 }
 
 impl Held {
-    /// The contact of `carried` with r_ij⁰ `branch`, n̂⁰ `normal` and h⁰ `overlap`.
+    /// The contact of `carried` with r_ij⁰ `branch`, n̂⁰ `normal` and h⁰ `overlap`, which counts from
+    /// the approach `unstressed`.
     pub(super) fn new(
         pair: &Pair,
         carried: Remembered,
         [branch, normal]: [Vec3; 2],
-        overlap: f64,
+        [overlap, unstressed]: [f64; 2],
         torsion: bool,
     ) -> Self {
         let mut held = Self {
@@ -211,6 +214,8 @@ impl Held {
             normal,
             overlap,
             reference_overlap: overlap,
+            unstressed,
+            bond: NO_BOND,
             carried,
             carried_energy: 0.0,
             stiffness: 0.0,
@@ -224,6 +229,17 @@ impl Held {
         held.freeze(pair, overlap, Midway::No, torsion);
         held.carried_energy = held.energy(&carried.shear, carried.torsion);
         held
+    }
+
+    /// Whether cement holds the bodies together.
+    pub(in crate::relax) fn is_bonded(&self) -> bool {
+        self.bond != NO_BOND
+    }
+
+    /// Whether the contact was open when its limit was renewed: it has no answer to shear.
+    #[inline(always)]
+    pub(super) fn is_open(&self) -> bool {
+        self.overlap == 0.0 && !self.is_bonded()
     }
 
     /// Takes up the `layers` that the contact remembers, and puts them behind those in `all`.
@@ -329,8 +345,7 @@ impl Held {
         let Motion { normal, arm, slid, twist } = *motion;
         let carried = || turned_into_plane(&self.carried.shear, &normal);
         let shear = match law {
-            // Renewed while it was open.
-            _ if self.overlap == 0.0 => Shear::default(),
+            _ if self.is_open() => Shear::default(),
             Law::ReturnMap => coulomb::return_map(&carried(), &slid, self.stiffness, self.limit),
             Law::Secant => coulomb::secant(&carried(), &slid, self.stiffness, self.limit),
             Law::MindlinDeresiewicz => {
@@ -371,19 +386,26 @@ impl Held {
         Step { before: self.before, overlap: self.overlap, displacement: turn.back(slid) }
     }
 
-    /// h \[m\] in `state`, negative when the contact is open.
-    pub(in crate::relax) fn present_overlap(&self, model: &Model, state: &State) -> f64 {
+    /// h \[m\] at `pose`, negative when the contact is open.
+    pub(super) fn overlap_at(&self, pose: &Pose<'_>) -> f64 {
         let i = self.first as usize;
-        match self.second {
+        let (reach, distance) = match self.second {
             Other::Grain(j) => {
                 let j = j as usize;
-                let distance = (state.position[i] - state.position[j]).norm();
-                model.radius[i] + model.radius[j] - distance
+                let distance = (pose.position[i] - pose.position[j]).norm();
+                (pose.model.radius[i] + pose.model.radius[j], distance)
             }
             Other::Wall(w) => {
-                let gap = wall_gap(&state.position[i], usize::from(w), &state.bounds(model));
-                model.radius[i] - gap
+                let gap = wall_gap(&pose.position[i], usize::from(w), pose.bounds);
+                (pose.model.radius[i], gap)
             }
-        }
+        };
+        reach - self.unstressed - distance
+    }
+
+    /// h \[m\] in `state`, negative when the contact is open.
+    pub(in crate::relax) fn present_overlap(&self, model: &Model, state: &State) -> f64 {
+        let State { position, rotation, .. } = state;
+        self.overlap_at(&Pose { model, position, rotation, bounds: &state.bounds(model) })
     }
 }

@@ -99,7 +99,7 @@ impl Reference {
     /// All contacts that answer in the configuration `at`, between grains that take part.
     pub(in crate::relax) fn slopes(&self, at: &Pose<'_>, carries: &[bool]) -> Vec<Slope> {
         let Some(friction) = &at.model.friction else { return Vec::new() };
-        let live = self.contacts.iter().filter(|held| held.live(carries) && held.overlap > 0.0);
+        let live = self.contacts.iter().filter(|held| held.live(carries) && !held.is_open());
         live.map(|held| self.slope(held, friction.law, at)).collect()
     }
 

@@ -1,0 +1,345 @@
+//! Cemented contacts at the reference configuration, and their answers in another (T 4.4, 4.7).
+//!
+//! With an effective law a contact is one that sticks (T 4.5, 4.7) and whose normal force follows
+//! the distance alone. A parallel bond is a spring between two cementing points, each of which
+//! moves with its body.
+
+use nalgebra::Rotation3;
+
+use crate::Vec3;
+use crate::contact::{Other, coulomb, mindlin};
+use crate::heap;
+use crate::model::Model;
+use crate::model::cement::{BondLaw, wall_point};
+use crate::relax::balance::Sums;
+use crate::relax::tangential::held::{Held, Pair, Pose};
+use crate::relax::tangential::{Pull, Reference, Traction};
+use crate::scene::{Cement, Law};
+use crate::state::{Bond, Ledger, Remembered, State};
+use crate::wall::{self, Bounds};
+
+/// Cement of one contact at the reference configuration.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bonded {
+    /// Place among the bonds of the state.
+    place: u32,
+    pub(super) law: BondLaw,
+    /// Ways from the centres to the cementing points of a parallel bond \[m\] ([`Bond::arm`]).
+    pub(super) arm: [Vec3; 2],
+    /// r at the reference \[m\].
+    distance: f64,
+    /// Energy of the normal force, or of the whole spring, at the reference \[J\].
+    pub(super) carried_energy: f64,
+    /// Overlap of a Hertz contact of the same radius \[m\]: the measure of how far a step may go.
+    overlap: f64,
+}
+
+impl Held {
+    /// The contact of `bond`, the one at `place` of the state, and its cement.
+    pub(super) fn bonded(
+        model: &Model,
+        cement: &Cement,
+        (place, bond): (usize, &Bond),
+        carried: Remembered,
+        position: &[Vec3],
+        bounds: &Bounds,
+    ) -> Option<(Self, Bonded)> {
+        let friction = model.friction.as_ref()?;
+        let pair = Pair::of(model, friction, bond.first, bond.second);
+        let branch = bond.branch(position, bounds);
+        let distance = branch.norm();
+        let normal = branch / distance;
+        let reach = match bond.second {
+            Other::Grain(j) => model.radius[bond.first as usize] + model.radius[j as usize],
+            Other::Wall(_) => model.radius[bond.first as usize],
+        };
+        let branch = match bond.second {
+            Other::Grain(_) => branch,
+            Other::Wall(_) => position[bond.first as usize],
+        };
+        let overlap = reach - distance;
+        let mut held = Self::new(&pair, carried, [branch, normal], [overlap, 0.0], false);
+        let law = model.law_of(cement, bond);
+        let carried_energy = match &law {
+            BondLaw::Effective(law) => law.answer(distance).energy,
+            BondLaw::Parallel(cylinder) => {
+                0.5 * cylinder.stiffness * bond.stretch(position, bounds).norm_squared() // (4.26a)
+            }
+        };
+        let bonded = Bonded {
+            place: place as u32,
+            law,
+            arm: bond.arm,
+            distance,
+            carried_energy,
+            overlap: bond.radius * bond.radius / pair.effective_radius,
+        };
+        held.freeze_bond(&bonded, &pair, cement, friction.torsion, distance);
+        held.carried_energy = held.energy(&held.carried_shear(&bonded), carried.torsion);
+        Some((held, bonded))
+    }
+
+    /// The tangential force whose energy is kept apart from that of the cement's spring.
+    fn carried_shear(&self, bonded: &Bonded) -> Vec3 {
+        match bonded.law {
+            BondLaw::Effective(_) => self.carried.shear,
+            BondLaw::Parallel(_) => Vec3::zeros(),
+        }
+    }
+
+    /// Freezes the stiffnesses in shear and torsion (4.6, 4.8, 4.21) at the distance `distance`.
+    pub(super) fn freeze_bond(
+        &mut self,
+        bonded: &Bonded,
+        pair: &Pair,
+        cement: &Cement,
+        torsion: bool,
+        distance: f64,
+    ) {
+        (self.limit, self.torsion_limit) = (f64::INFINITY, f64::INFINITY);
+        match &bonded.law {
+            BondLaw::Effective(law) => {
+                let radius = law.contact_radius(distance);
+                self.stiffness =
+                    cement.partial_slip * mindlin::shear_stiffness(radius, pair.shear_compliance);
+                self.torsion_stiffness =
+                    mindlin::torsion_stiffness(radius, pair.torsion_compliance);
+            }
+            BondLaw::Parallel(cylinder) => {
+                (self.stiffness, self.torsion_stiffness) =
+                    (cylinder.stiffness, cylinder.torsion_stiffness);
+            }
+        }
+        if self.stiffness == 0.0 {
+            // Slips completely: a limit of 0 has no answer, whatever the stiffness.
+            (self.stiffness, self.limit) = (1.0, 0.0);
+        }
+        if !torsion {
+            self.torsion_stiffness = 0.0;
+        }
+    }
+}
+
+impl Bonded {
+    /// The cementing arms of the contact `held` after its bodies turned by `turned`.
+    fn arms(&self, held: &Held, turned: [Vec3; 2]) -> [Vec3; 2] {
+        let [one, other] = self.arm;
+        let one = Rotation3::new(turned[0]) * one;
+        match held.second {
+            Other::Grain(_) => [one, Rotation3::new(turned[1]) * other],
+            Other::Wall(_) => [one, other],
+        }
+    }
+
+    /// The cementing arms at `pose`, and the way from the second point to the first (4.19).
+    pub(super) fn stretch(
+        &self,
+        held: &Held,
+        turned: [Vec3; 2],
+        pose: &Pose<'_>,
+    ) -> ([Vec3; 2], Vec3) {
+        let arms = self.arms(held, turned);
+        let second = match held.second {
+            Other::Grain(j) => pose.position[j as usize] + arms[1],
+            Other::Wall(w) => wall_point(&arms[1], w, pose.bounds),
+        };
+        (arms, pose.position[held.first as usize] + arms[0] - second)
+    }
+}
+
+impl Reference {
+    /// The cement of `held`.
+    #[inline(always)]
+    pub(super) fn bond_of(&self, held: &Held) -> Option<&Bonded> {
+        self.bonds.get(held.bond as usize)
+    }
+
+    /// Counts the bond of `held`, whose overlap is `present`, in `sums` and its force on a wall in
+    /// `walls`.
+    pub(super) fn count(
+        &self,
+        held: &Held,
+        pull: &Pull,
+        present: f64,
+        sums: &mut Sums,
+        walls: &mut [f64; wall::COUNT],
+    ) {
+        let Some(bonded) = self.bond_of(held) else { return };
+        if let Other::Wall(w) = held.second {
+            let w = usize::from(w);
+            walls[w] += pull.force[wall::axis(w)] * wall::inward(w);
+        }
+        sums.force += pull.cement;
+        // Where the grains press besides, that is the same contact.
+        if matches!(bonded.law, BondLaw::Effective(_)) || present <= 0.0 {
+            sums.overlap += bonded.overlap;
+            sums.contacts += 1;
+        }
+    }
+
+    /// The answer of `held` at `pose` with that of its cement, where `parts` is that of a contact
+    /// that sticks.
+    #[inline(always)]
+    pub(super) fn with_cement(
+        &self,
+        held: &Held,
+        parts: (Traction, Pull),
+        pose: &Pose<'_>,
+    ) -> (Traction, Pull) {
+        match self.bond_of(held) {
+            None => parts,
+            Some(bonded) => self.cemented(held, bonded, parts, pose),
+        }
+    }
+
+    fn cemented(
+        &self,
+        held: &Held,
+        bonded: &Bonded,
+        (mut traction, mut pull): (Traction, Pull),
+        pose: &Pose<'_>,
+    ) -> (Traction, Pull) {
+        let cylinder = match &bonded.law {
+            BondLaw::Effective(law) => {
+                let distance = pull.arm[0] + pull.arm[1];
+                let normal = held.ends(pose, &self.rotation).branch / distance;
+                let answer = law.answer(distance);
+                let bending = match held.second {
+                    Other::Grain(_) => answer.force / distance,
+                    Other::Wall(_) => 0.0,
+                };
+                pull.force += normal * answer.force;
+                pull.potential += answer.energy;
+                pull.cement = answer.force.abs();
+                traction.axial = (answer.stiffness + bending) as f32;
+                traction.bending = bending as f32;
+                traction.slides = false;
+                return (traction, pull);
+            }
+            BondLaw::Parallel(cylinder) => cylinder,
+        };
+        let ends = held.ends(pose, &self.rotation);
+        let motion = ends.motion();
+        let ([one, other], stretch) = bonded.stretch(held, ends.turned, pose);
+        let k = cylinder.stiffness;
+        let force = stretch * -k; // (4.20)
+        let torsion = coulomb::torsion(
+            held.carried.torsion,
+            motion.twist,
+            held.torsion_stiffness,
+            held.torsion_limit,
+        );
+        let couple = motion.normal * torsion.couple;
+        let second_arm = match held.second {
+            Other::Grain(_) => other,
+            Other::Wall(_) => Vec3::zeros(),
+        };
+        let arm = [-one.dot(&motion.normal), second_arm.dot(&motion.normal)];
+        pull = Pull {
+            force,
+            // (4.22)
+            moment: [force.cross(&one) - couple, second_arm.cross(&force) + couple],
+            arm,
+            potential: 0.5 * k * stretch.norm_squared() + torsion.potential, // (4.26)
+            cement: force.norm(),
+        };
+        traction = Traction {
+            live: true,
+            slides: false,
+            normal: <[f64; 3]>::from(motion.normal).map(|x| x as f32),
+            across: k as f32,
+            arm: arm.map(|arm| arm as f32),
+            torsion: torsion.stiffness as f32,
+            axial: k as f32,
+            ..Traction::default()
+        };
+        (traction, pull)
+    }
+
+    /// Renews the stiffnesses of the bond of `held` with the mean of the distance at the reference
+    /// and the one that `present`, its overlap now, tells.
+    pub(super) fn renew_bond(
+        bonds: &[Bonded],
+        held: &mut Held,
+        model: &Model,
+        cement: &Cement,
+        present: f64,
+    ) {
+        let Some(friction) = &model.friction else { return };
+        let Some(bonded) = bonds.get(held.bond as usize) else { return };
+        let pair = Pair::of(model, friction, held.first, held.second);
+        let distance = bonded.distance + 0.5 * (held.reference_overlap - present);
+        held.freeze_bond(bonded, &pair, cement, friction.torsion, distance);
+    }
+
+    /// The tangential force and the couple of the bond of `held` at `pose`.
+    pub(super) fn bond_load(&self, held: &Held, bonded: &Bonded, pose: &Pose<'_>) -> (Vec3, f64) {
+        let ends = held.ends(pose, &self.rotation);
+        let motion = ends.motion();
+        let answer = held.answer(&motion, Law::ReturnMap, &[]);
+        let shear = match &bonded.law {
+            BondLaw::Effective(_) => answer.shear.force,
+            BondLaw::Parallel(cylinder) => {
+                let force = bonded.stretch(held, ends.turned, pose).1 * -cylinder.stiffness;
+                force - motion.normal * motion.normal.dot(&force)
+            }
+        };
+        (shear, answer.torsion.couple)
+    }
+
+    /// Energies of an increment of the bond of `held`, at whose end it carries `shear` and `torsion`
+    /// at `pose`.
+    pub(super) fn bond_ledger(
+        &self,
+        held: &Held,
+        bonded: &Bonded,
+        (shear, torsion): (&Vec3, f64),
+        pose: &Pose<'_>,
+    ) -> Ledger {
+        let (Some(friction), Some(cement)) = (&pose.model.friction, &pose.model.cement) else {
+            return Ledger::default();
+        };
+        let ends = held.ends(pose, &self.rotation);
+        let distance = ends.branch.norm();
+        match &bonded.law {
+            BondLaw::Effective(law) => {
+                let pair = Pair::of(pose.model, friction, held.first, held.second);
+                let mut now = *held;
+                now.freeze_bond(bonded, &pair, cement, friction.torsion, distance);
+                let before = held.energy(&held.carried.shear, held.carried.torsion);
+                let tangential = now.energy(shear, torsion);
+                Ledger {
+                    stored: tangential + law.answer(distance).energy,
+                    renewal: held.carried_energy - before + held.energy(shear, torsion)
+                        - tangential,
+                    ..Ledger::default()
+                }
+            }
+            BondLaw::Parallel(cylinder) => {
+                let (_, stretch) = bonded.stretch(held, ends.turned, pose);
+                let spring = 0.5 * cylinder.stiffness * stretch.norm_squared();
+                Ledger { stored: spring + held.twist_energy(torsion), ..Ledger::default() }
+            }
+        }
+    }
+
+    /// Turns the cementing arms of the parallel bonds of `state` with their bodies.
+    pub(super) fn turn_arms(&self, state: &mut State) {
+        let State { bonds, rotation, .. } = state;
+        for held in &self.contacts {
+            let Some(bonded) = self.bond_of(held) else { continue };
+            let turned = |k: usize| rotation[k] - self.rotation[k];
+            let other = match held.second {
+                Other::Grain(j) => turned(j as usize),
+                Other::Wall(_) => Vec3::zeros(),
+            };
+            bonds[bonded.place as usize].arm =
+                bonded.arms(held, [turned(held.first as usize), other]);
+        }
+    }
+
+    /// Memory that its lists hold \[bytes\].
+    pub(super) fn bond_bytes(&self) -> usize {
+        heap::bytes(&self.bonds)
+    }
+}
