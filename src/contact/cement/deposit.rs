@@ -60,6 +60,7 @@ pub fn deposit(model: &Model, cement: &Cement, state: &mut State) {
             radius: deposited,
             arm: [Vec3::zeros(); 2],
             share: 1.0,
+            work: 0.0,
             condition: if is_wall && !cement.walls { Condition::Bare } else { Condition::Intact },
         };
         if let BondLaw::Parallel(_) = model.law_of(cement, &bond) {

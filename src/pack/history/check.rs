@@ -92,7 +92,9 @@ impl BondMemory {
                 return Err(wrong(field, length, "a finite number above 0 m"));
             }
         }
-        finite(&[self.overlap]).map_err(|_| wrong(".overlap", self.overlap, "a finite number"))?;
+        for (field, value) in [(".overlap", self.overlap), (".work", self.work)] {
+            finite(&[value]).map_err(|_| wrong(field, value, "a finite number"))?;
+        }
         for (end, arm) in self.arm.iter().enumerate() {
             finite(arm).map_err(|fault| format!(".arm[{end}]{fault}"))?;
         }

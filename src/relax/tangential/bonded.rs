@@ -15,8 +15,11 @@ use crate::relax::balance::Sums;
 use crate::relax::tangential::held::{Held, Pair, Pose};
 use crate::relax::tangential::{Pull, Reference, Traction};
 use crate::scene::{Cement, Law};
-use crate::state::{Bond, Ledger, Remembered, State};
+use crate::state::{Bond, Remembered};
 use crate::wall::{self, Bounds};
+
+/// Least effective radius in shear and torsion over that at the deposition.
+const FAINT_RADIUS: f64 = 1e-6;
 
 /// Cement of one contact at the reference configuration.
 #[derive(Clone, Copy, Debug)]
@@ -75,16 +78,11 @@ impl Held {
             overlap: bond.radius * bond.radius / pair.effective_radius,
         };
         held.freeze_bond(&bonded, &pair, cement, friction.torsion, distance);
-        held.carried_energy = held.energy(&held.carried_shear(&bonded), carried.torsion);
+        held.carried_energy = match law {
+            BondLaw::Effective(_) => bond.work,
+            BondLaw::Parallel(_) => held.twist_energy(carried.torsion),
+        };
         Some((held, bonded))
-    }
-
-    /// The tangential force whose energy is kept apart from that of the cement's spring.
-    fn carried_shear(&self, bonded: &Bonded) -> Vec3 {
-        match bonded.law {
-            BondLaw::Effective(_) => self.carried.shear,
-            BondLaw::Parallel(_) => Vec3::zeros(),
-        }
     }
 
     /// Freezes the stiffnesses in shear and torsion (4.6, 4.8, 4.21) at the distance `distance`.
@@ -99,7 +97,9 @@ impl Held {
         (self.limit, self.torsion_limit) = (f64::INFINITY, f64::INFINITY);
         match &bonded.law {
             BondLaw::Effective(law) => {
-                let radius = law.contact_radius(distance);
+                // Nothing changes what cement carries in shear whose radius has vanished.
+                let least = FAINT_RADIUS * law.contact_radius(law.distance);
+                let radius = law.contact_radius(distance).max(least);
                 self.stiffness =
                     cement.partial_slip * mindlin::shear_stiffness(radius, pair.shear_compliance);
                 self.torsion_stiffness =
@@ -287,54 +287,30 @@ impl Reference {
         (shear, answer.torsion.couple)
     }
 
-    /// Energies of an increment of the bond of `held`, at whose end it carries `shear` and `torsion`
-    /// at `pose`.
-    pub(super) fn bond_ledger(
+    /// Ends an increment of the bond of `held`, which carries `shear` and `torsion` at `pose`: puts
+    /// its work and arms into `bond` and returns the energy that it stores \[J\].
+    pub(super) fn commit_bond(
         &self,
         held: &Held,
         bonded: &Bonded,
         (shear, torsion): (&Vec3, f64),
         pose: &Pose<'_>,
-    ) -> Ledger {
-        let (Some(friction), Some(cement)) = (&pose.model.friction, &pose.model.cement) else {
-            return Ledger::default();
-        };
+        bonds: &mut [Bond],
+    ) -> f64 {
+        let bond = &mut bonds[bonded.place as usize];
         let ends = held.ends(pose, &self.rotation);
-        let distance = ends.branch.norm();
         match &bonded.law {
             BondLaw::Effective(law) => {
-                let pair = Pair::of(pose.model, friction, held.first, held.second);
-                let mut now = *held;
-                now.freeze_bond(bonded, &pair, cement, friction.torsion, distance);
-                let before = held.energy(&held.carried.shear, held.carried.torsion);
-                let tangential = now.energy(shear, torsion);
-                Ledger {
-                    stored: tangential + law.answer(distance).energy,
-                    renewal: held.carried_energy - before + held.energy(shear, torsion)
-                        - tangential,
-                    ..Ledger::default()
-                }
+                // (4.17b, c), of a stiffness that is constant over the increment.
+                bond.work += held.energy(shear, torsion)
+                    - held.energy(&held.carried.shear, held.carried.torsion);
+                law.answer(ends.branch.norm()).energy + bond.work
             }
             BondLaw::Parallel(cylinder) => {
-                let (_, stretch) = bonded.stretch(held, ends.turned, pose);
-                let spring = 0.5 * cylinder.stiffness * stretch.norm_squared();
-                Ledger { stored: spring + held.twist_energy(torsion), ..Ledger::default() }
+                let (arm, stretch) = bonded.stretch(held, ends.turned, pose);
+                bond.arm = arm;
+                0.5 * cylinder.stiffness * stretch.norm_squared() + held.twist_energy(torsion)
             }
-        }
-    }
-
-    /// Turns the cementing arms of the parallel bonds of `state` with their bodies.
-    pub(super) fn turn_arms(&self, state: &mut State) {
-        let State { bonds, rotation, .. } = state;
-        for held in &self.contacts {
-            let Some(bonded) = self.bond_of(held) else { continue };
-            let turned = |k: usize| rotation[k] - self.rotation[k];
-            let other = match held.second {
-                Other::Grain(j) => turned(j as usize),
-                Other::Wall(_) => Vec3::zeros(),
-            };
-            bonds[bonded.place as usize].arm =
-                bonded.arms(held, [turned(held.first as usize), other]);
         }
     }
 

@@ -40,18 +40,15 @@ impl Reference {
         let formed = self.formed(model, friction, state, near);
         let mut changes = Changes { formed, ..Changes::default() };
         let bounds = state.bounds(model);
-        let State { position, rotation, .. } = &*state;
-        let pose = Pose { model, position, rotation, bounds: &bounds };
         let mut ledger = state.friction;
+        let State { position, rotation, bonds, .. } = state;
+        let pose = Pose { model, position, rotation, bounds: &bounds };
         ledger.stored = 0.0;
         for (held, traction) in self.contacts.iter().zip(&balance.tractions) {
             let motion = held.motion(&pose, &self.rotation);
             if let Some(bonded) = self.bond_of(held) {
                 let (shear, torsion) = self.bond_load(held, bonded, &pose);
-                let load = (&shear, torsion);
-                let change = self.bond_ledger(held, bonded, load, &pose);
-                ledger.renewal += change.renewal;
-                ledger.stored += change.stored;
+                ledger.stored += self.commit_bond(held, bonded, (&shear, torsion), &pose, bonds);
                 let nothing = Remembered { slides: false, layers: 0, ..held.carried };
                 memory.contacts.push(Remembered { shear, torsion, ..nothing });
                 continue;
@@ -61,7 +58,7 @@ impl Reference {
                 true => (answer.shear.force, answer.torsion.couple),
                 false => (Vec3::zeros(), 0.0),
             };
-            let overlap = held.present_overlap(model, state);
+            let overlap = held.overlap_at(&pose);
             if !traction.live || held.is_open() || overlap <= 0.0 {
                 changes.opened += 1;
                 changes.excess = changes.excess.max(shear.norm());
@@ -96,7 +93,6 @@ impl Reference {
             });
         }
         state.friction = ledger;
-        self.turn_arms(state);
         std::mem::swap(&mut state.memory, memory);
         changes
     }
