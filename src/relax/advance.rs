@@ -147,11 +147,16 @@ pub fn advance(
         so_far.jumps.append(&mut work.jumps);
         add_work(state, &last.displacement, &forces, &next);
         forces = next;
-        if !crack(model, state, work, &drives, &mut so_far, &mut forces) {
+        let cracks = so_far.cracks.len();
+        if !crack(model, state, work, &mut so_far, &mut forces) {
             state.copy_from(&start);
             so_far.jumps.clear();
             so_far.cracks.clear();
             return so_far;
+        }
+        if so_far.cracks.len() > cracks && !goal.is_empty() {
+            // The loads that the walls lost are asked for anew.
+            drives = present(&goal, &forces, &state.bounds(model));
         }
     }
     so_far
@@ -165,26 +170,22 @@ impl Advance {
     }
 }
 
-/// Breaks the overloaded bonds of `state`, an equilibrium, one by one, with walls that stand or keep
-/// their loads. Says whether there was an equilibrium after each.
+/// Breaks the overloaded bonds of `state`, an equilibrium, one by one, with all walls where they are:
+/// walls that carry a load are slow against cracks. Says whether there was an equilibrium after each.
 fn crack(
     model: &Model,
     state: &mut State,
     work: &mut Workspace,
-    drives: &[Drive],
     so_far: &mut Advance,
     forces: &mut [f64; wall::COUNT],
 ) -> bool {
     let cracks = so_far.cracks.len();
     while let Some((place, crack)) = breakage::weakest(model, state) {
-        let before = state.displacement;
-        let had = so_far.outcome.sums.energy + ledger(state) - state.wall_work;
+        let had = so_far.outcome.sums.energy + ledger(state);
         breakage::break_bond(state, place, crack.mode);
         work.begin(model, state);
         work.jumps.clear();
-        work.servo.begin(drives, STRETCH * strain_limit(model, &so_far.outcome));
         let outcome = solve(model, state, work);
-        work.servo.begin(&[], 0.0);
         so_far.outcome = outcome;
         so_far.iterations += outcome.iterations;
         so_far.descents += outcome.descents;
@@ -195,14 +196,11 @@ fn crack(
         so_far.jumps.append(&mut work.jumps);
         let changes = work.commit(model, state);
         so_far.add(changes);
-        let next = walls::normal_forces(model, state, &work.neighbours);
-        add_work(state, &before, forces, &next);
-        *forces = next;
         // What is neither stored nor lost by slip was lost with the cement.
-        let has = outcome.sums.energy + ledger(state) - state.wall_work;
-        state.friction.broken += had - has;
+        state.friction.broken += had - outcome.sums.energy - ledger(state);
     }
     if so_far.cracks.len() > cracks {
+        *forces = walls::normal_forces(model, state, &work.neighbours);
         let outcome = &so_far.outcome;
         so_far.wall_force_error = accuracy::wall_force_error(model, state, work, outcome);
     }

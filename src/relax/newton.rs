@@ -244,8 +244,9 @@ fn step(
         // A grain that hardly touches anything is not to be held as if it carried what others do.
         true => work.first_shift.extend(work.coupled.bending().map(|b| FIRST_SHIFT as f32 * b)),
     }
-    let most = if work.reference.active { FRICTIONAL_CAP } else { work.step_cap };
-    let cap = most * if sums.contacts > 0 { sums.mean_overlap() } else { 0.1 * model.mean_radius };
+    let slides = work.reference.active && !work.reference.smooth;
+    let cap = (if slides { FRICTIONAL_CAP } else { work.step_cap })
+        * if sums.contacts > 0 { sums.mean_overlap() } else { 0.1 * model.mean_radius };
     let damping = match work.reference.active {
         false => 0.0,
         true => {

@@ -105,6 +105,8 @@ pub struct Reference {
     rotation: Vec<Vec3>,
     /// Whether contacts carry shear.
     pub active: bool,
+    /// Whether only cement resists sliding.
+    pub(super) smooth: bool,
     /// Whether contacts that stuck in the last increment are taken to stick whatever they carry.
     pub(super) sticks: bool,
 }

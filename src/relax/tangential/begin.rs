@@ -43,7 +43,8 @@ impl Reference {
     pub fn begin(&mut self, model: &Model, state: &State, near: &Neighbours, lenient: bool) {
         let Some(friction) = &model.friction else { return };
         // Smooth grains need not turn before cement is deposited between them.
-        self.active = !friction.is_smooth() || !state.bonds.is_empty();
+        self.smooth = friction.is_smooth();
+        self.active = !self.smooth || !state.bonds.is_empty();
         if !self.active {
             return;
         }
