@@ -82,7 +82,7 @@ impl Course {
             match state(&report) {
                 Some(state) => states.push(state),
                 None => {
-                    println!("    {}, seed {seed}: {}", test.name, report.text);
+                    println!("    {test:?}, seed {seed}: {}", report.text);
                     break;
                 }
             }

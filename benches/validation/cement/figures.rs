@@ -3,7 +3,7 @@
 use graintwin::view::{Axis, Chart, Series, Sheet, Unit};
 
 use super::runs::{
-    CONTENTS, EVOLUTIONS, EXPONENTIAL, LAWS, RENEWED, SIZES, SLIPS, Samples, Test, UNCEMENTED,
+    CONTENTS, EVOLUTIONS, LAWS, Named, RENEWED, SIZES, SLIPS, Samples, Test, UNCEMENTED,
 };
 use crate::curve::{Curve, Spread, at, even, over_seeds};
 use crate::figures::{drawn, guide};
@@ -36,10 +36,9 @@ fn stresses() -> Vec<f64> {
     even(0.0, HIGHEST, 0.05e6)
 }
 
-fn lines(tests: &[Test], of: &dyn Fn(&Test) -> Vec<Curve>) -> Vec<Series> {
-    let line = |(number, test): (usize, &Test)| {
-        let places = over_seeds(&of(test), &stresses());
-        drawn(number, test.name, &places)
+fn lines(tests: &[Named], of: &dyn Fn(&Test) -> Vec<Curve>) -> Vec<Series> {
+    let line = |(number, (name, test)): (usize, &Named)| {
+        drawn(number, name, &over_seeds(&of(test), &stresses()))
     };
     tests.iter().enumerate().map(line).collect()
 }
@@ -57,17 +56,17 @@ fn against(title: &str, stress: &str, series: Vec<Series>) -> Chart {
 fn laws(samples: &Samples) -> Sheet {
     let axial = |test: &Test| samples.young(test);
     let deviatoric = |test: &Test| samples.young_deviatoric(test);
-    let mut reproduced = lines(&[EXPONENTIAL], &axial);
+    let mut reproduced = lines(&LAWS[..1], &axial);
     for (number, modulus) in THESIS.into_iter().enumerate() {
         let name = if number == 0 { "thesis: from 2.7 to 9.5 GPa" } else { "" };
         reproduced.push(guide(name, vec![[0.0, modulus], [HIGHEST, modulus]]));
     }
-    let strains = even(0.0, 1.7e-3, 2.5e-5);
-    let curves = LAWS.iter().enumerate().map(|(number, test)| {
+    let strains = even(0.0, 2.2e-3, 5e-6);
+    let curves = LAWS.iter().enumerate().map(|(number, (name, test))| {
         let places = over_seeds(&samples.stress(test), &strains);
         let inside: Vec<(f64, Spread)> =
             places.into_iter().filter(|(_, stress)| stress.mean <= 1.1 * HIGHEST).collect();
-        drawn(number, test.name, &inside)
+        drawn(number, name, &inside)
     });
     let curves = curves.collect();
     Sheet {
@@ -90,7 +89,7 @@ fn laws(samples: &Samples) -> Sheet {
             against(
                 "The same packs without cement, from 10 MPa",
                 "deviatoric stress",
-                lines(&[EXPONENTIAL, UNCEMENTED[0], UNCEMENTED[1]], &deviatoric),
+                lines(&[LAWS[0], UNCEMENTED[0], UNCEMENTED[1]], &deviatoric),
             ),
         ],
     }
@@ -99,7 +98,7 @@ fn laws(samples: &Samples) -> Sheet {
 fn constants(samples: &Samples) -> Sheet {
     let axial = |test: &Test| samples.young(test);
     let sensitivity =
-        |title: &str, tests: &[Test]| against(title, "axial stress", lines(tests, &axial));
+        |title: &str, tests: &[Named]| against(title, "axial stress", lines(tests, &axial));
     Sheet {
         title: "Cemented quartz: constants of the laws (thesis figs. 4.10 to 4.12)".into(),
         subtitle: subtitle(samples, "E by least squares over each increment."),
@@ -112,9 +111,9 @@ fn constants(samples: &Samples) -> Sheet {
     }
 }
 
-/// Deviation of the stress from that of the smallest increments.
+/// Deviation of the stress from that of the smallest increments with stiffnesses of their middle.
 fn sizes(samples: &Samples) -> Chart {
-    let reference = samples.stress(&SIZES[0]);
+    let reference = samples.stress(&RENEWED[0]);
     let line = |number: usize, name: String, test: &Test| {
         let count = (COMPARED / test.increment).round() as usize;
         let place = |k: usize| {
@@ -127,11 +126,11 @@ fn sizes(samples: &Samples) -> Chart {
         };
         drawn(number, &name, &(1..=count).map(place).collect::<Vec<_>>())
     };
-    let frozen = SIZES[1..].iter().map(|test| (format!("{:e}", test.increment), test));
-    let renewed = (format!("{:e}, renewed within", RENEWED[2].increment), &RENEWED[2]);
+    let frozen = SIZES.iter().map(|test| (format!("{:e}", test.increment), test));
+    let renewed = (format!("{:e}, renewed within", RENEWED[3].increment), &RENEWED[3]);
     let all = frozen.chain([renewed]).enumerate();
     Chart {
-        title: "Stress against that of increments of 1.25e-5".into(),
+        title: "Stress against that of renewed increments of 1.25e-5".into(),
         x: Axis::linear("axial strain", Unit::Strain),
         y: Axis::linear("deviation of the deviatoric stress [%]", Unit::None),
         series: all.map(|(number, (name, test))| line(number, name, test)).collect(),

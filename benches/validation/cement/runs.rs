@@ -18,7 +18,6 @@ pub(crate) const STANDARD: f64 = 5e-5;
 /// A uniaxial stress test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Test {
-    pub(crate) name: &'static str,
     /// Without it the grains are as they were compacted.
     pub(crate) cement: Option<Cement>,
     /// Friction of contacts without cement.
@@ -29,54 +28,77 @@ pub(crate) struct Test {
     pub(crate) increment: f64,
 }
 
-const fn cemented(name: &'static str, law: CementLaw) -> Test {
-    let cement =
-        Cement { law, kappa: 0.01, partial_slip: 0.1, bridge: 0.1, walls: true, strength: None };
-    Test { name, cement: Some(cement), friction: 0.0, update: Update::Frozen, increment: STANDARD }
+/// A test by the name that it has beside others.
+pub(crate) type Named = (&'static str, Test);
+
+/// The cement of sample Q2699-1 % (T 4.8.1).
+const CEMENT: Cement = Cement {
+    law: CementLaw::Fixed,
+    kappa: 0.01,
+    partial_slip: 0.1,
+    bridge: 0.1,
+    walls: true,
+    strength: None,
+};
+
+const fn of(cement: Cement) -> Test {
+    let cement = Some(cement);
+    Test { cement, friction: 0.0, update: Update::Frozen, increment: STANDARD }
 }
 
-const fn exponential(name: &'static str, gamma: f64) -> Test {
-    cemented(name, CementLaw::Exponential(Exponential { gamma }))
+const fn law(law: CementLaw) -> Test {
+    of(Cement { law, ..CEMENT })
 }
 
-const fn power(name: &'static str, eta: f64, omega: f64) -> Test {
-    cemented(name, CementLaw::Power(Power { eta, omega }))
+const fn growing(gamma: f64) -> CementLaw {
+    CementLaw::Exponential(Exponential { gamma })
 }
 
-/// The exponential law of sample Q2699-1 % (T 4.8.1).
-pub(crate) const EXPONENTIAL: Test = exponential("exponential, γ = 3000", 3000.0);
-pub(crate) const POWER: Test = power("power, η = 1111, ω = 1", 1111.0, 1.0);
-pub(crate) const FIXED: Test = cemented("fixed, γ = 0", CementLaw::Fixed);
-pub(crate) const LINEAR_ELASTIC: Test = cemented("linear-elastic cement", CementLaw::LinearElastic);
+const fn power(eta: f64, omega: f64) -> Test {
+    law(CementLaw::Power(Power { eta, omega }))
+}
+
+/// The law of figure 4.7.
+pub(crate) const EXPONENTIAL: Test = law(growing(3000.0));
+pub(crate) const FIXED: Test = of(CEMENT);
 /// The thesis gives the moduli of glass in MPa; glass has them in GPa.
-pub(crate) const PARALLEL: Test = cemented(
-    "parallel bond",
-    CementLaw::Parallel(Parallel {
-        young: 70e9,
-        shear: 29.2e9,
-        radius_ratio: 0.003,
-        length_ratio: 0.001,
-    }),
-);
+const PARALLEL: Test = law(CementLaw::Parallel(Parallel {
+    young: 70e9,
+    shear: 29.2e9,
+    radius_ratio: 0.003,
+    length_ratio: 0.001,
+}));
+
 /// The five laws of figures 4.8 and 4.9.
-pub(crate) const LAWS: [Test; 5] = [EXPONENTIAL, POWER, FIXED, LINEAR_ELASTIC, PARALLEL];
+pub(crate) const LAWS: [Named; 5] = [
+    ("exponential, γ = 3000", EXPONENTIAL),
+    ("power, η = 1111, ω = 1", power(1111.0, 1.0)),
+    ("fixed, γ = 0", FIXED),
+    ("linear-elastic cement", law(CementLaw::LinearElastic)),
+    ("parallel bond", PARALLEL),
+];
 
-pub(crate) const SLOW: Test = exponential("exponential, γ = 1000", 1000.0);
-pub(crate) const SQUARE: Test = power("power, η = 1428, ω = 2", 1428.0, 2.0);
-pub(crate) const STEEP: Test = power("power, η = 1428, ω = 1", 1428.0, 1.0);
 /// Those of figure 4.10.
-pub(crate) const EVOLUTIONS: [Test; 5] = [EXPONENTIAL, SLOW, SQUARE, STEEP, POWER];
+pub(crate) const EVOLUTIONS: [Named; 5] = [
+    ("γ = 3000", EXPONENTIAL),
+    ("γ = 1000", law(growing(1000.0))),
+    ("η = 1428, ω = 2", power(1428.0, 2.0)),
+    ("η = 1428, ω = 1", power(1428.0, 1.0)),
+    ("η = 1111, ω = 1", power(1111.0, 1.0)),
+];
 
-const fn with(name: &'static str, kappa: f64, partial_slip: f64) -> Test {
-    let Test { cement: Some(cement), .. } = EXPONENTIAL else { return EXPONENTIAL };
-    Test { name, cement: Some(Cement { kappa, partial_slip, ..cement }), ..EXPONENTIAL }
+const fn slip(partial_slip: f64) -> Test {
+    of(Cement { law: growing(3000.0), partial_slip, ..CEMENT })
 }
 
 /// Those of figure 4.11.
-pub(crate) const SLIPS: [Test; 3] =
-    [with("exponential, Cs = 0", 0.01, 0.0), EXPONENTIAL, with("exponential, Cs = 1", 0.01, 1.0)];
+pub(crate) const SLIPS: [Named; 3] =
+    [("Cs = 0", slip(0.0)), ("Cs = 0.1", EXPONENTIAL), ("Cs = 1", slip(1.0))];
+
+const MORE: Test = of(Cement { law: growing(3000.0), kappa: 0.2, ..CEMENT });
+
 /// Those of figure 4.12.
-pub(crate) const CONTENTS: [Test; 2] = [EXPONENTIAL, with("exponential, κ = 0.2", 0.2, 0.1)];
+pub(crate) const CONTENTS: [Named; 2] = [("κ = 0.01", EXPONENTIAL), ("κ = 0.2", MORE)];
 
 /// Increments of other sizes; the first is the measure of the others.
 pub(crate) const SIZES: [Test; 5] = [
@@ -87,19 +109,34 @@ pub(crate) const SIZES: [Test; 5] = [
     Test { increment: 5e-4, ..EXPONENTIAL },
 ];
 
-/// Shear stiffnesses of the middle of the increment. Contacts without cement, of which there are
-/// none, have friction: without any the program does not renew.
+/// Stiffnesses in shear of the middle of the increment. Contacts without cement, of which there
+/// are none, have friction: without any the program does not renew.
 const fn renewed(increment: f64) -> Test {
     Test { increment, friction: 0.3, update: Update::Current, ..EXPONENTIAL }
 }
-pub(crate) const RENEWED: [Test; 3] = [renewed(5e-5), renewed(1e-4), renewed(5e-4)];
+pub(crate) const RENEWED: [Test; 4] =
+    [renewed(1.25e-5), renewed(5e-5), renewed(1e-4), renewed(5e-4)];
 
-/// The same pack without cement.
-pub(crate) const ROUGH: Test =
-    Test { name: "without cement, μ = 0.3", cement: None, friction: 0.3, ..EXPONENTIAL };
-pub(crate) const SMOOTH: Test = Test { name: "without cement, μ = 0", friction: 0.0, ..ROUGH };
-/// Both.
-pub(crate) const UNCEMENTED: [Test; 2] = [ROUGH, SMOOTH];
+const fn without(friction: f64) -> Test {
+    Test { cement: None, friction, ..EXPONENTIAL }
+}
+
+/// The same packs without cement.
+pub(crate) const UNCEMENTED: [Named; 2] =
+    [("no cement, μ = 0.3", without(0.3)), ("no cement, μ = 0", without(0.0))];
+
+/// What the cement adds, step by step: from contacts that stick and no more to the fixed law.
+pub(crate) const STEPS: [Named; 5] = [
+    ("no cement, μ = ∞", without(f64::INFINITY)),
+    ("fixed, touching only, κ = 0, Cs = 1", {
+        of(Cement { kappa: 0.0, partial_slip: 1.0, bridge: 0.0, ..CEMENT })
+    }),
+    ("fixed, touching only, κ = 0.01, Cs = 1", {
+        of(Cement { partial_slip: 1.0, bridge: 0.0, ..CEMENT })
+    }),
+    ("fixed, touching only, κ = 0.01, Cs = 0.1", of(Cement { bridge: 0.0, ..CEMENT })),
+    ("fixed", FIXED),
+];
 
 /// The tests of a seed.
 pub(crate) struct Sample {
@@ -112,10 +149,11 @@ impl Sample {
     pub(crate) fn run(seed: u64) -> Self {
         let pack = compacted(seed);
         let mut all: Vec<Test> = Vec::new();
-        let groups = [&LAWS[..], &EVOLUTIONS, &SLIPS, &CONTENTS, &SIZES, &RENEWED, &UNCEMENTED];
-        for test in groups.into_iter().flatten() {
-            if !all.contains(test) {
-                all.push(*test);
+        let groups = [&LAWS[..], &EVOLUTIONS, &SLIPS, &CONTENTS, &UNCEMENTED, &STEPS];
+        let named = groups.into_iter().flatten().map(|(_, test)| *test);
+        for test in named.chain(SIZES).chain(RENEWED) {
+            if !all.contains(&test) {
+                all.push(test);
             }
         }
         let tests: Vec<(Test, Course)> =
