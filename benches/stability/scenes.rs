@@ -25,6 +25,9 @@ pub(crate) fn run(only: Option<&str>) {
             let (seen, worst) = timed(&hard);
             let said = match seen.bonds {
                 [0, 0] => seen.said.clone(),
+                [held, broke] if seen.said.is_empty() => {
+                    format!("{broke} of {} bonds broke", held + broke)
+                }
                 [held, broke] => format!("{broke} of {} bonds broke; {}", held + broke, seen.said),
             };
             row(&hard.name, friction, &seen, worst, &said);
