@@ -153,7 +153,7 @@ pub(crate) fn decompression(grains: usize, friction: f64) -> Hard {
 /// A cemented pack at 10 MPa, stretched by a hundredth and pressed back in `parts` increments
 /// each, whose cement breaks where its tensile or shear stress reaches `strength` \[Pa\].
 pub(crate) fn cemented(grains: usize, friction: f64, strength: f64, parts: u32) -> Hard {
-    let name = format!("cement of {:.0e} Pa, 1 % of stretch in {parts} increments", strength);
+    let name = format!("cement of {strength:.0e} Pa, 1 % of stretch in {parts} increments");
     let strains = through(&[[0.0, 0.0, -1e-2], [0.0; 3]], parts);
     let mut hard = Hard::new(&name, friction, made(grains, 1e7, 9), &strains);
     hard.scene.contact.normal = Normal::Cement(Cement {
