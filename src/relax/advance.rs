@@ -110,7 +110,8 @@ pub fn advance(
             }
             let mut outcome = solve(model, state, work);
             let lost = matches!(outcome.status, Status::Unstable | Status::Stalled);
-            if lost && !goal.is_empty() && attempt >= patience && creeps < MOST_CREEPS {
+            let creeps_on = lost && !goal.is_empty() && !model.is_two_step();
+            if creeps_on && attempt >= patience && creeps < MOST_CREEPS {
                 state.copy_from(&last);
                 outcome = creep(model, state, work, &target, (share, limit));
                 crept = true;
