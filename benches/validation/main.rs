@@ -3,7 +3,7 @@
 //!
 //! Writes the figures of `docs/validation.md` into `docs/images` and prints its tables. Seeds as
 //! arguments take the place of the default ones: `-- 4 5`, and names of parts select them:
-//! `-- network` (the force network), `-- events`, `-- moduli`. One thread; takes minutes.
+//! `-- network` (the force network), `-- events`, `-- moduli`, `-- two_step`. One thread; takes minutes.
 #![allow(clippy::print_stdout, clippy::expect_used)] // A bench prints, and ends when a step fails.
 
 mod curve;
@@ -15,6 +15,7 @@ mod runs;
 mod specimen;
 mod tables;
 mod theory;
+mod two_step;
 
 use std::path::{Path, PathBuf};
 
@@ -26,7 +27,7 @@ use runs::Sample;
 const SEEDS: [u64; 3] = [1, 2, 3];
 
 /// Parts that can be selected.
-const PARTS: [&str; 3] = ["moduli", "network", "events"];
+const PARTS: [&str; 4] = ["moduli", "network", "events", "two_step"];
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -49,6 +50,9 @@ fn main() {
     }
     if selected("events") {
         pool.install(|| events::run(&seeds, &images()));
+    }
+    if selected("two_step") {
+        pool.install(|| two_step::run(&seeds));
     }
 }
 
