@@ -19,12 +19,8 @@ const GRAINS: usize = 500;
 const STRESS: f64 = 10e6;
 
 /// Laws of the contacts, as T 4.8.3 compares them.
-const LAWS: [&str; 4] = [
-    "fixed",
-    "linear_elastic",
-    "{power: {eta: 1111, omega: 1}}",
-    "{exponential: {gamma: 3000}}",
-];
+const LAWS: [&str; 4] =
+    ["fixed", "linear_elastic", "{power: {eta: 1111, omega: 1}}", "{exponential: {gamma: 3000}}"];
 
 /// Axial strain at the end, and of the increments there.
 const END: f64 = 1e-3;
@@ -69,7 +65,9 @@ pub(crate) fn run(seeds: &[u64]) {
             path(&packs, law, increment);
         }
     }
-    println!("\n| law | increment | apart by, of the forces at the start | order |\n| --- | --- | --- | --- |");
+    println!(
+        "\n| law | increment | apart by, of the forces at the start | order |\n| --- | --- | --- | --- |"
+    );
     for law in LAWS {
         single(&packs, law);
     }
@@ -80,9 +78,8 @@ fn path(packs: &[Pack], law: &str, increment: f64) {
     let ended: Vec<[Ended; 2]> = (packs.iter())
         .map(|pack| SOLUTIONS.map(|solution| walk(&cemented(law, solution), pack, END, increment)))
         .collect();
-    let mean = |of: &dyn Fn(&[Ended; 2]) -> f64| {
-        ended.iter().map(of).sum::<f64>() / ended.len() as f64
-    };
+    let mean =
+        |of: &dyn Fn(&[Ended; 2]) -> f64| ended.iter().map(of).sum::<f64>() / ended.len() as f64;
     let most = |of: &dyn Fn(&[Ended; 2]) -> f64| ended.iter().map(of).fold(0.0, f64::max);
     let per = |count: fn(&Effort) -> u64, which: usize| {
         mean(&move |both| count(&both[which].effort) as f64 / both[which].increments)

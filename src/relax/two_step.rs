@@ -5,9 +5,9 @@
 //! as they are. Loads are the sums of the linear increments (4.1, 4.5, 4.7): unlike the effective
 //! laws in the geometry at the end, which they follow to second order in the increment.
 //!
-//! Contacts without cement are linear in a step too: Hertz' stiffness, and shear for those that did
-//! not slide in the last one. Between steps their normal force is Hertz' and their tangential one is
-//! cut to its limit. What touches for the first time in a step counts from the next one on.
+//! Contacts without cement are linear in a step too, with Hertz' stiffness, and stick. Between steps
+//! their normal force is Hertz' and their tangential one is cut to its limit; the next step balances
+//! what that leaves. What touches for the first time in a step counts from the next one on.
 //!
 //! The linear balance is solved by conjugate gradients with the blocks of the grains as
 //! preconditioner; walls under loads are unknowns like the grains.
@@ -26,11 +26,14 @@ use crate::wall;
 use coordinates::Coordinates;
 use network::{Count, Network, Walls};
 
-/// Most products of a step where the scene does not say.
-const MOST_PRODUCTS: u32 = 100_000;
+/// Most products of a step where the scene does not say: as many, and as many more a grain. Without
+/// rounding there would be six a grain.
+const MOST_PRODUCTS: [u32; 2] = [1000, 12];
 /// Times that the search begins anew from the forces that are really left, before what is left is
 /// taken for rounding.
 const REFRESHES: u32 = 20;
+/// Share of the tolerance that a search goes down to: what is really left is a little more.
+const AIM: f64 = 0.3;
 
 /// Scratch of the two steps.
 #[derive(Clone, Debug, Default)]
@@ -50,6 +53,12 @@ pub struct TwoStep {
     pub(super) changes: Changes,
     /// Products of a stiffness with a vector.
     pub(super) products: u64,
+}
+
+/// Why a step has no solution.
+struct Failure {
+    status: Status,
+    residual: f64,
 }
 
 impl TwoStep {
@@ -73,35 +82,29 @@ impl TwoStep {
         state: &State,
         walls: &Walls<'_>,
         most: u32,
-    ) -> Result<u32, Status> {
+    ) -> Result<u32, Failure> {
         let Self { network, x, left, direction, product, preconditioned, products, .. } = self;
         let carries = &state.carries;
         let (shifts, turns) = (x.shift.len(), x.turn.len());
         network.factorise(model, walls.drives);
         preconditioned.clear(shifts, turns);
         direction.clear(shifts, turns);
-        let mut iterations = 0;
+        let (mut iterations, mut now) = (0, f64::NAN);
+        let fail = |status, residual| Err(Failure { status, residual });
         for _ in 0..REFRESHES {
             network.forces(model, carries, walls, (x, Count::Loads), left);
             let mean_force = network.mean_force(model, walls, x);
-            let residual = |left: &Coordinates| {
-                let loads = walls.drives.iter().zip(left.drive);
-                let loads = loads.map(|(drive, left)| {
-                    left.abs() / drive.goal(walls.bounds).max(mean_force).max(model.least_force)
-                });
-                loads.fold(newton::residual(model, left.largest(), mean_force), f64::max)
-            };
-            let now = residual(left);
+            now = residual(model, walls, left, mean_force);
             if !now.is_finite() {
-                return Err(Status::NonFinite);
+                return fail(Status::NonFinite, now);
             }
             if now <= model.solver.tolerance {
                 return Ok(iterations);
             }
             let mut before = 0.0;
-            while residual(left) > 0.3 * model.solver.tolerance {
+            while residual(model, walls, left, mean_force) > AIM * model.solver.tolerance {
                 if iterations == most {
-                    return Err(Status::MaxIterations);
+                    return fail(Status::MaxIterations, residual(model, walls, left, mean_force));
                 }
                 iterations += 1;
                 network.precondition(left, preconditioned);
@@ -112,7 +115,7 @@ impl TwoStep {
                 *products += 1;
                 network.forces(model, carries, walls, (direction, Count::Changes), product);
                 let curvature = -direction.dot(product);
-                if !(curvature > 0.0) {
+                if curvature.is_nan() || curvature <= 0.0 {
                     // Nothing resists in this direction.
                     break;
                 }
@@ -121,8 +124,17 @@ impl TwoStep {
                 left.add(alpha, product);
             }
         }
-        Err(Status::Stalled)
+        fail(Status::Stalled, now)
     }
+}
+
+/// Largest force of `left` on a grain over `mean_force` \[N\], or on a drive over its load.
+fn residual(model: &Model, walls: &Walls<'_>, left: &Coordinates, mean_force: f64) -> f64 {
+    let loads = walls.drives.iter().zip(left.drive).map(|(drive, left)| {
+        left.abs() / drive.goal(walls.bounds).max(mean_force).max(model.least_force)
+    });
+    let grains = newton::residual(model, left.largest(), mean_force);
+    loads.fold(grains, |most, x| if x > most || x.is_nan() { x } else { most })
 }
 
 /// Solves the increment of `state` from where `work` began to where its walls and, as the first
@@ -130,7 +142,9 @@ impl TwoStep {
 ///
 /// The residual is that of the loads turned with the contacts to where the second step ended.
 pub(super) fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
-    let most = model.solver.max_iterations.unwrap_or(MOST_PRODUCTS);
+    let [least, a_grain] = MOST_PRODUCTS;
+    let most = least.saturating_add(a_grain.saturating_mul(model.len() as u32));
+    let most = model.solver.max_iterations.unwrap_or(most);
     let to = state.displacement;
     let two = &mut work.two_step;
     let moved = std::array::from_fn(|w| to[w] - two.displacement[w]);
@@ -146,7 +160,9 @@ pub(super) fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> O
     for moved in [moved, [0.0; wall::COUNT]] {
         match step(model, state, work, moved, most) {
             Ok(products) => iterations += products,
-            Err(status) => return Outcome { status, iterations: most, ..Outcome::NONE },
+            Err(Failure { status, residual }) => {
+                return Outcome { status, residual, iterations: most, ..Outcome::NONE };
+            }
         }
         for w in (0..wall::COUNT).filter(|&w| moved[w] != 0.0) {
             // To the bit, whatever the sum was rounded to.
@@ -165,7 +181,7 @@ fn step(
     work: &mut Workspace,
     moved: [f64; wall::COUNT],
     most: u32,
-) -> Result<u32, Status> {
+) -> Result<u32, Failure> {
     take_springs(model, state, work);
     let Workspace { two_step: two, servo, reference, memory, .. } = work;
     let bounds = state.bounds(model);
@@ -200,7 +216,7 @@ pub(super) fn judge(model: &Model, state: &mut State, work: &mut Workspace) -> O
     x.clear(model.len(), state.rotation.len());
     network.forces(model, &state.carries, &walls, (x, Count::Loads), left);
     let mean_force = network.mean_force(model, &walls, x);
-    let residual = newton::residual(model, left.largest(), mean_force);
+    let residual = residual(model, &walls, left, mean_force);
     let status = match network.springs.is_empty() {
         true => Status::Unjammed,
         false => Status::Converged,

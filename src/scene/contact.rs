@@ -6,8 +6,8 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{Cement, Solution};
 use super::check::{Field, Problems};
+use super::{Cement, Solution};
 
 /// Contact laws.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

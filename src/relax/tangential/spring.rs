@@ -98,13 +98,13 @@ impl Reference {
             }
             let answer = held.answer(&motion, Law::ReturnMap, &[]);
             (spring.shear, spring.couple) = (answer.shear.force, answer.torsion.couple);
-            let twists = held.carried.torsion.abs() < held.torsion_limit;
             (spring.shear_stiffness, spring.torsion_stiffness) = match held.is_bonded() {
                 true if held.limit == 0.0 => (0.0, held.torsion_stiffness),
                 true => (held.stiffness, held.torsion_stiffness),
-                // What slid last goes on to.
-                false if held.is_open() || held.carried.slides => (0.0, 0.0),
-                false => (held.stiffness, if twists { held.torsion_stiffness } else { 0.0 }),
+                // What slides must resist: a grain that hardly anything else holds has no
+                // linear balance without it.
+                false if held.is_open() => (0.0, 0.0),
+                false => (held.stiffness, held.torsion_stiffness),
             };
             if let Some(bonded) = self.bond_of(held)
                 && let BondLaw::Effective(law) = &bonded.law

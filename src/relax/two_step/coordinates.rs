@@ -29,7 +29,8 @@ impl Coordinates {
     }
 
     pub(super) fn dot(&self, other: &Self) -> f64 {
-        let grains = |a: &[Vec3], b: &[Vec3]| -> f64 { a.iter().zip(b).map(|(a, b)| a.dot(b)).sum() };
+        let grains =
+            |a: &[Vec3], b: &[Vec3]| -> f64 { a.iter().zip(b).map(|(a, b)| a.dot(b)).sum() };
         let drives: f64 = self.drive.iter().zip(other.drive).map(|(a, b)| a * b).sum();
         grains(&self.shift, &other.shift) + grains(&self.turn, &other.turn) + drives
     }

@@ -201,9 +201,8 @@ impl Network {
         inverse.par_chunks_mut(CHUNK).for_each(|blocks| blocks.iter_mut().for_each(invert));
         *drive_inverse = [0.0; DRIVES];
         for (inverse, drive) in drive_inverse.iter_mut().zip(drives) {
-            let share = |side: usize| {
-                drive.shares[side].powi(2) * wall_stiffness[2 * drive.axis + side]
-            };
+            let share =
+                |side: usize| drive.shares[side].powi(2) * wall_stiffness[2 * drive.axis + side];
             let stiffness: f64 = share(0) + share(1);
             *inverse = if stiffness > 0.0 { 1.0 / stiffness } else { 0.0 };
         }
