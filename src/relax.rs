@@ -63,10 +63,6 @@ use two_step::TwoStep;
 /// Times that floating grains which turn out to carry load may join the balance.
 const ROUNDS: u32 = 40;
 
-/// Longest Newton step with friction over the mean overlap: beyond it the contacts that slide are
-/// others.
-const FRICTIONAL_CAP: f64 = 0.03;
-
 /// How a relaxation ended. All but the first two leave no state to trust.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
@@ -149,7 +145,8 @@ pub struct Workspace {
     pub follows: bool,
     /// Instabilities followed since the list was last emptied.
     pub jumps: Vec<Jump>,
-    /// Newton steps of a grain longer than this many mean overlaps are shortened.
+    /// Newton steps of a grain longer than this many mean overlaps are shortened, without shear in
+    /// the contacts.
     pub step_cap: f64,
     /// Shift of each grain's block, shape (n).
     shift: Vec<f32>,
@@ -202,7 +199,7 @@ impl Workspace {
             linear: Linear::default(),
             coupled: Coupled::default(),
             reference_stiffness: hertz::stiffness(modulus, 1e-2 * model.mean_radius),
-            step_cap: if model.friction.is_some() { FRICTIONAL_CAP } else { 1.0 },
+            step_cap: 1.0,
             follows: true,
             jumps: Vec::new(),
             shift: vec![0.0; model.len()],
@@ -429,11 +426,12 @@ impl Workspace {
         self.trial.clear();
         self.trial
             .extend(state.position.iter().zip(&self.step).map(|(at, step)| at + step * factor));
-        self.trial_rotation.clear();
-        self.trial_rotation.extend(
-            (state.rotation.iter().zip(&self.turn).zip(&model.radius))
-                .map(|((at, turn), radius)| at + turn * (factor / radius)),
-        );
+        self.trial_rotation.clone_from(&state.rotation);
+        for ((at, turn), radius) in
+            self.trial_rotation.iter_mut().zip(&self.turn).zip(&model.radius)
+        {
+            *at += turn * (factor / radius);
+        }
         model.start.displaced(&self.trial_displacement)
     }
 

@@ -42,7 +42,11 @@ impl Reference {
     /// remembers although that is beyond the limit now.
     pub fn begin(&mut self, model: &Model, state: &State, near: &Neighbours, lenient: bool) {
         let Some(friction) = &model.friction else { return };
-        self.active = true;
+        // Smooth grains need not turn before cement is deposited between them.
+        self.active = !friction.is_smooth() || !state.bonds.is_empty();
+        if !self.active {
+            return;
+        }
         self.rotation.clone_from(&state.rotation);
         self.contacts.clear();
         self.layers.clear();
