@@ -77,6 +77,11 @@ impl Spring {
 }
 
 impl Reference {
+    /// The contacts that answer to more than pressure.
+    fn answering(&self) -> &[Held] {
+        if self.active { &self.contacts } else { &[] }
+    }
+
     /// Puts a spring for each contact at the reference into `springs`, in their order; `state` is
     /// the reference. One whose bodies take no part has neither load nor stiffness.
     pub(in crate::relax) fn springs(
@@ -116,7 +121,7 @@ impl Reference {
             }
             spring
         };
-        springs.extend(self.contacts.iter().map(spring));
+        springs.extend(self.answering().iter().map(spring));
     }
 
     /// Writes what the contacts carry after the `deformations` of their `springs` into the memory
@@ -133,7 +138,8 @@ impl Reference {
         memory.clear();
         let mut changes = Changes::default();
         state.friction.stored = 0.0;
-        for ((held, spring), deformation) in self.contacts.iter().zip(springs).zip(deformations) {
+        for ((held, spring), deformation) in self.answering().iter().zip(springs).zip(deformations)
+        {
             let Spring { normal, arm, .. } = *spring;
             let Deformation { approach, slid, twist } = deformation;
             let motion = Motion { normal, arm, slid, twist };
