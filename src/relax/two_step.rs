@@ -133,7 +133,8 @@ fn residual(model: &Model, walls: &Walls<'_>, left: &Coordinates, mean_force: f6
     let loads = walls.drives.iter().zip(left.drive).map(|(drive, left)| {
         left.abs() / drive.goal(walls.bounds).max(mean_force).max(model.least_force)
     });
-    let grains = newton::residual(model, left.largest(), mean_force);
+    // No coordinate rounds the loads, so that there is no floor.
+    let grains = left.largest() / newton::unit_force(model, mean_force);
     loads.fold(grains, |most, x| if x > most || x.is_nan() { x } else { most })
 }
 
