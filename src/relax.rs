@@ -36,6 +36,7 @@ mod sym3;
 mod sym6;
 pub mod tangent;
 pub mod tangential;
+pub mod two_step;
 mod verdict;
 
 use crate::Vec3;
@@ -57,6 +58,7 @@ use rattlers::Rattlers;
 use servo::Servo;
 use site::{Adjacency, Others};
 use tangential::{Changes, Reference};
+use two_step::TwoStep;
 
 /// Times that floating grains which turn out to carry load may join the balance.
 const ROUNDS: u32 = 40;
@@ -175,6 +177,8 @@ pub struct Workspace {
     /// Sweeps grain by grain so far.
     sweeps: u64,
     loose: Loose,
+    /// The increment in two linear steps.
+    two_step: TwoStep,
     inertia: Inertia,
     /// Whether the linear system at hand is that of the last step of a search that found a minimum.
     near_minimum: bool,
@@ -218,6 +222,7 @@ impl Workspace {
             sweeps: 0,
             near_minimum: false,
             loose: Loose::default(),
+            two_step: TwoStep::default(),
             inertia: Inertia::default(),
             negligible_force: model.negligible_force(),
         }
@@ -228,7 +233,7 @@ impl Workspace {
     pub fn effort(&self) -> Effort {
         Effort {
             gradients: self.balance.evaluations + self.trial_balance.evaluations + self.sweeps,
-            products: self.linear.products + self.coupled.products,
+            products: self.linear.products + self.coupled.products + self.two_step.products,
         }
     }
 
@@ -250,6 +255,7 @@ impl Workspace {
             + self.rattlers.heap_bytes()
             + self.adjacency.heap_bytes()
             + self.loose.heap_bytes()
+            + self.two_step.heap_bytes()
             + self.inertia.heap_bytes()
             + single
             + heap::bytes(&self.support)
@@ -283,6 +289,9 @@ impl Workspace {
         self.neighbours.refresh(model, &state.position, &state.bounds(model));
         self.take_bonds(model, state);
         self.reference.begin(model, state, &self.neighbours, false);
+        if model.is_two_step() {
+            self.two_step.begin(state);
+        }
     }
 
     /// Takes the pack as it was given as the reference. It may carry what it remembers even where
@@ -313,6 +322,10 @@ impl Workspace {
 
     /// Ends an increment: `state`, whose balance was taken last, remembers its tangential loads.
     pub fn commit(&mut self, model: &Model, state: &mut State) -> Changes {
+        if model.is_two_step() {
+            // Each step left its loads there.
+            return self.two_step.changes;
+        }
         self.reference.commit(model, state, &self.balance, &self.neighbours, &mut self.memory)
     }
 

@@ -3,7 +3,8 @@
 //!
 //! Writes the figures of `docs/validation.md` into `docs/images` and prints its tables. Seeds as
 //! arguments take the place of the default ones: `-- 4 5`, and names of parts select them:
-//! `-- network` (the force network), `-- events`, `-- cement`, `-- moduli`. One thread; takes minutes.
+//! `-- network` (the force network), `-- events`, `-- cement`, `-- two_step`, `-- moduli`. One thread;
+//! takes minutes.
 #![allow(clippy::print_stdout, clippy::expect_used)] // A bench prints, and ends when a step fails.
 
 mod cement;
@@ -16,6 +17,7 @@ mod runs;
 mod specimen;
 mod tables;
 mod theory;
+mod two_step;
 
 use std::path::{Path, PathBuf};
 
@@ -27,7 +29,7 @@ use runs::Sample;
 const SEEDS: [u64; 3] = [1, 2, 3];
 
 /// Parts that can be selected.
-const PARTS: [&str; 4] = ["moduli", "network", "events", "cement"];
+const PARTS: [&str; 5] = ["moduli", "network", "events", "cement", "two_step"];
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -55,6 +57,9 @@ fn main() {
         let samples = pool.install(|| cement::run(&seeds));
         cement::print(&samples);
         draw(cement::sheets(&samples));
+    }
+    if selected("two_step") {
+        pool.install(|| two_step::run(&seeds));
     }
 }
 

@@ -6,7 +6,7 @@ use crate::relax::breakage::{self, Crack};
 use crate::relax::jump::{Carried, Jump};
 use crate::relax::servo::{self, Drive};
 use crate::relax::tangential::Changes;
-use crate::relax::{Outcome, Status, Workspace, accuracy, newton, relax};
+use crate::relax::{Outcome, Status, Workspace, accuracy, newton, relax, two_step};
 use crate::scene::{Method, Update};
 use crate::state::{Ledger, State};
 use crate::wall::{self, Bounds, Control, Load, Setpoint};
@@ -104,12 +104,14 @@ pub fn advance(
             let aim = part_of_the_way(&drives, &goal, share);
             work.servo.begin(&aim, STRETCH * limit);
             // The seeds' methods begin where the walls take the grains.
-            if work.reference.active && model.solver.method == Method::Newton {
+            let predicts = model.solver.method == Method::Newton && !model.is_two_step();
+            if work.reference.active && predicts {
                 newton::predict(model, state, work);
             }
             let mut outcome = solve(model, state, work);
             let lost = matches!(outcome.status, Status::Unstable | Status::Stalled);
-            if lost && !goal.is_empty() && attempt >= patience && creeps < MOST_CREEPS {
+            let creeps_on = lost && !goal.is_empty() && !model.is_two_step();
+            if creeps_on && attempt >= patience && creeps < MOST_CREEPS {
                 state.copy_from(&last);
                 outcome = creep(model, state, work, &target, (share, limit));
                 crept = true;
@@ -304,8 +306,11 @@ fn creep(
     solve(model, state, work)
 }
 
-/// Relaxes, and with friction up to date renews the limits and relaxes again.
+/// Relaxes or, where the scene has it so, solves in two linear steps; and with friction up to date renews the limits and relaxes again.
 fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
+    if model.is_two_step() {
+        return two_step::solve(model, state, work);
+    }
     let mut outcome = relax(model, state, work);
     if model.friction.as_ref().is_some_and(|friction| friction.update == Update::Current) {
         for _ in 0..RENEWALS {

@@ -211,13 +211,18 @@ fn cut_to(step: &mut [Vec3], turn: &mut [Vec3], longest: f64) {
     }
 }
 
+/// What residuals are measured in \[N\]: the mean contact force, or what stands for it.
+pub(super) fn unit_force(model: &Model, mean_force: f64) -> f64 {
+    let weight = model.weight.iter().map(Vec3::norm).fold(0.0, f64::max);
+    mean_force.max(weight).max(model.least_force).max(f64::MIN_POSITIVE)
+}
+
 /// Largest unbalanced force over the mean contact force; weights count where nothing touches.
 pub(super) fn residual(model: &Model, largest: f64, mean_force: f64) -> f64 {
     if largest < model.rounding_force {
         return 0.0;
     }
-    let weight = model.weight.iter().map(Vec3::norm).fold(0.0, f64::max);
-    largest / mean_force.max(weight).max(model.least_force).max(f64::MIN_POSITIVE)
+    largest / unit_force(model, mean_force)
 }
 
 /// Takes one accepted step; says whether it was shifted, `None` when no step descends.

@@ -11,6 +11,7 @@ mod bonded;
 mod commit;
 mod held;
 mod slope;
+mod spring;
 mod turn;
 
 use rayon::prelude::*;
@@ -31,6 +32,7 @@ pub use held::Held;
 pub(super) use held::Pose;
 use held::{Midway, Pair};
 pub(super) use slope::{Along, Slope};
+pub(super) use spring::{Deformation, Spring};
 
 /// Contacts that one task answers for, and that are answered for before their forces are added
 /// up; the bits do not depend on either.

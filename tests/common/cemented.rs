@@ -4,7 +4,7 @@
 use graintwin::command::Disposition;
 use graintwin::pack::Pack;
 use graintwin::scene::{
-    Cement, CementLaw, CementStrength, Exponential, Normal, Parallel, Power, Scene,
+    Cement, CementLaw, CementStrength, Exponential, Normal, Parallel, Power, Scene, Solution,
 };
 
 use crate::packs::{Rig, by_strain, made, scene_to};
@@ -23,7 +23,15 @@ pub(crate) const LAWS: [CementLaw; 5] =
 
 /// Cement as the thesis has it, unbreakable.
 pub(crate) fn cement(law: CementLaw) -> Cement {
-    Cement { law, kappa: 0.01, partial_slip: 0.1, bridge: 0.1, walls: true, strength: None }
+    Cement {
+        law,
+        kappa: 0.01,
+        partial_slip: 0.1,
+        bridge: 0.1,
+        walls: true,
+        solution: Solution::Nonlinear,
+        strength: None,
+    }
 }
 
 /// A scene of smooth grains that `cement` holds together.
