@@ -1,10 +1,16 @@
 //! What stays constant after loading: grains, walls, laws and settings, in the solver's own order.
+//!
+//! Radii and weights follow from the grains as loaded and from what dissociation has done to them,
+//! two numbers of the state ([`hydrate`]).
+
+pub mod hydrate;
 
 use crate::Vec3;
 use crate::contact::{Other, hertz, mindlin};
 use crate::pack::{Grain, Pack};
 use crate::scene::{self, Coulomb, Law, Scene, Solver, Update, Walls};
 use crate::wall::Bounds;
+use hydrate::Hydrate;
 
 /// Streams into which the grains are cut, then dealt one after the other.
 ///
@@ -22,9 +28,9 @@ pub(crate) const MOST_PARTS: usize = 8;
 pub struct Model {
     /// Grain index in the pack file of each grain here, shape (n).
     pub order: Vec<u32>,
-    /// Constants of each grain; the positions are those at load.
+    /// Constants of each grain; positions and radii are those at load.
     pub grains: Vec<Grain>,
-    /// Radii R \[m\], shape (n).
+    /// Radii R now \[m\], shape (n).
     pub radius: Vec<f64>,
     /// (1-ν²)/E of each grain \[1/Pa\], shape (n).
     pub compliance: Vec<f64>,
@@ -42,6 +48,10 @@ pub struct Model {
     pub reference: Bounds,
     /// Settings of the relaxation.
     pub solver: Solver,
+    /// Gravitational acceleration \[m/s²\].
+    pub gravity: Vec3,
+    /// The grains that are hydrate, and what became of them.
+    pub hydrate: Hydrate,
     /// Friction; `None` when no contact can carry shear, and then no rotation is solved for.
     pub friction: Option<Friction>,
 }
@@ -114,6 +124,7 @@ impl Model {
             let torsion = scene.contact.torsion;
             model.friction = Friction::new(&model.grains, &scene.walls, coulomb, torsion);
         }
+        model.hydrate = Hydrate::of(&model);
         model
     }
 
@@ -146,6 +157,8 @@ impl Model {
             start: pack.bounds,
             reference: reference.unwrap_or(pack.bounds),
             solver,
+            gravity,
+            hydrate: Hydrate::default(),
             friction: None,
             grains,
         }

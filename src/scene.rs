@@ -7,7 +7,9 @@
 mod check;
 mod choice;
 mod contact;
+mod dissociate;
 mod error;
+mod hydrate;
 mod load;
 mod load_path;
 mod material;
@@ -35,7 +37,9 @@ use crate::wall::Bounds;
 use check::{Field, Problems};
 pub use choice::Choice;
 pub use contact::{Contact, Coulomb, Friction, Law, Normal, Update};
+pub use dissociate::{BIOT, Dissociate};
 pub use error::{Problem, SceneError};
+pub use hydrate::Hydrate;
 pub use load::{Loaded, load, parse};
 pub use load_path::{
     Axis, Isotropic, LoadPath, MAX_COMMANDS, Moving, Polyaxial, Repeat, Step, Triaxial, Uniaxial,

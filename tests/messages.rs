@@ -357,6 +357,7 @@ fn measures(contacts: u32) -> Measures {
         grains: None,
         motion: None,
         fabric: None,
+        hydrate: None,
     }
 }
 
