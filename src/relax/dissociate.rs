@@ -115,7 +115,7 @@ fn part(setpoint: &Setpoint, from: &[f64; wall::COUNT], share: f64) -> Setpoint 
 struct Loads {
     /// Normal forces on the walls \[N\].
     walls: [f64; wall::COUNT],
-    /// Sum of the normal forces on each grain that carries \[N\], shape (n).
+    /// Derivative of the contacts' energy by the radius of each grain that carries \[N\], shape (n).
     pressing: Vec<f64>,
     /// Radius of each grain \[m\], shape (n).
     radius: Vec<f64>,
@@ -129,9 +129,18 @@ impl Loads {
         work.neighbours.refresh(model, &state.position, &bounds);
         let mut pressing = vec![0.0; model.len()];
         for contact in Contacts::of(model, state, &work.neighbours).list {
-            pressing[contact.first as usize] += contact.force;
-            if let Other::Grain(j) = contact.second {
-                pressing[j as usize] += contact.force;
+            // U = 2/5 M h^(5/2) with M ~ √R*: by its own radius a grain changes the overlap, and R*.
+            let i = contact.first as usize;
+            let own = 0.2 * contact.overlap / model.radius[i];
+            match contact.second {
+                Other::Grain(j) => {
+                    let j = j as usize;
+                    let (ri, rj) = (model.radius[i], model.radius[j]);
+                    let other = 0.2 * contact.overlap / rj;
+                    pressing[i] += contact.force * (1.0 + own * rj / (ri + rj));
+                    pressing[j] += contact.force * (1.0 + other * ri / (ri + rj));
+                }
+                Other::Wall(_) => pressing[i] += contact.force * (1.0 + own),
             }
         }
         let centre = Vec3::from(bounds.center());
