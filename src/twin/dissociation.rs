@@ -22,6 +22,14 @@ impl Twin {
     ) -> Report {
         let now = self.state.dissociated;
         let relief = to.biot * (to.pore_pressure - now.pressure);
+        let effective = self.effective_stress();
+        if relief > effective {
+            let text = format!(
+                "pore_pressure would take {relief:e} Pa away from the grains, which carry \
+                 {effective:e} Pa: no more than that is allowed"
+            );
+            return self.refused(command, Disposition::Limit, text);
+        }
         let expanded = match self.expanded(relief) {
             Ok(setpoint) => setpoint,
             Err(text) => return self.refused(command, Disposition::NotConverged, text),
@@ -66,6 +74,12 @@ impl Twin {
             }
         }
         Ok(setpoint)
+    }
+
+    /// Mean normal stress on the walls \[Pa\].
+    fn effective_stress(&mut self) -> f64 {
+        let (force, bounds) = (self.stand().force, self.state.bounds(&self.model));
+        (0..wall::COUNT).map(|w| force[w] / bounds.area(w)).sum::<f64>() / 6.0
     }
 
     /// Tangent bulk modulus of the present state \[Pa\], where it is known and above 0.
