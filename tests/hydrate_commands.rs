@@ -308,10 +308,10 @@ fn steps_and_packs_that_make_no_sense_are_named() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig { cases: 8, failure_persistence: None, ..ProptestConfig::default() })]
     #[test]
     fn whatever_is_legal_is_applied_or_refused_with_everything_kept(
-        asked in prop::collection::vec((0.0..0.3f64, 0.0..3e6f64, 0.0..1.0f64), 1..4),
+        asked in prop::collection::vec((0.0..0.06f64, 0.0..3e6f64, 0.0..1.0f64), 1..4),
     ) {
         let (mut rig, _) = Rig::start(&scene_to(1e-8), &sediment());
         for (loss, pressure, biot) in asked {

@@ -7,7 +7,7 @@ use super::generate::{GenerateError, compact};
 use super::{Grain, Pack, properties};
 use crate::contact::neighbours::Neighbours;
 use crate::measure::contacts::Contacts;
-use crate::measure::porosity::solids;
+use crate::measure::porosity::{pores, solids};
 use crate::model::Model;
 use crate::scene::{Material, Solver, Walls};
 use crate::state::State;
@@ -82,14 +82,29 @@ fn of_hydrate(pack: &Pack, filling: &Filling<'_>) -> Vec<Grain> {
     pack.grains.iter().map(one).collect()
 }
 
-/// Which grains of `pack`, in its order, bring it closest to `saturation`.
-fn chosen(pack: &Pack, saturation: f64) -> Vec<bool> {
+/// Grains of hydrate in `pack`, and the saturation that they make.
+#[must_use]
+pub fn present(pack: &Pack) -> (usize, f64) {
+    let (model, contacts) = as_it_is(pack);
+    let grains = pack.grains.iter().filter(|grain| grain.hydrate).count();
+    (grains, pores(&model, &contacts.list, &pack.bounds).saturation())
+}
+
+/// The geometry of `pack`, nothing moved.
+fn as_it_is(pack: &Pack) -> (Model, Contacts) {
     let model =
         Model::with(pack, &Walls::default(), [0.0; 3], Solver::default(), Some(pack.bounds));
     let state = State::new(&model);
     let mut near = Neighbours::default();
     near.refresh(&model, &state.position, &pack.bounds);
-    let solid = solids(&model, &Contacts::of(&model, &state, &near).list);
+    let contacts = Contacts::of(&model, &state, &near);
+    (model, contacts)
+}
+
+/// Which grains of `pack`, in its order, bring it closest to `saturation`.
+fn chosen(pack: &Pack, saturation: f64) -> Vec<bool> {
+    let (model, contacts) = as_it_is(pack);
+    let solid = solids(&model, &contacts.list);
     let mut smallest: Vec<usize> = (0..model.len()).collect();
     smallest.sort_by(|&a, &b| {
         let radius = model.radius[a].total_cmp(&model.radius[b]);

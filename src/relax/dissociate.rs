@@ -10,7 +10,7 @@ use crate::measure::contacts::Contacts;
 use crate::measure::walls;
 use crate::model::Model;
 use crate::relax::advance::{Advance, HALVINGS, ROUNDING, advance, remaining_strain, strain_limit};
-use crate::relax::{Outcome, Workspace};
+use crate::relax::{Outcome, Status, Workspace};
 use crate::state::{Dissociated, State};
 use crate::wall::{self, Control, Setpoint};
 
@@ -35,7 +35,11 @@ pub fn dissociate(
         let ends = standing(setpoint, &last);
         let way = largest_change(model, &last.dissociated, to) / (2.0 * model.mean_radius);
         let way = way.max(remaining_strain(model, &last, &ends));
-        let limit = strain_limit(model, &so_far.outcome);
+        let limit = match so_far.outcome.status {
+            // The overlaps of grains that float say nothing.
+            Status::Unjammed => model.solver.max_strain_increment,
+            _ => strain_limit(model, &so_far.outcome),
+        };
         let mut share = 1.0 / (way / limit * (1.0 - ROUNDING)).ceil().max(1.0);
         let before = Loads::of(model, &last, work);
         for attempt in 0.. {
