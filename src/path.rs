@@ -5,8 +5,9 @@
 //! per increment; a file brings its own stamps, which count from the end of the step before it.
 //! Whether the walls can go where a command sends them is for the twin to say.
 //!
-//! Where loads and pore pressures take the walls, and what walls that stood carry, only the twin knows: a [`Path`]
-//! makes the commands of a step when the step begins, from where the twin is by then.
+//! Where loads and pore pressures take the walls, and what walls that stood carry, only the twin
+//! knows: a [`Path`] makes the commands of a step when the step begins, from where the twin is by
+//! then.
 
 mod csv;
 mod dissociate;

@@ -3,7 +3,8 @@
 //!
 //! Writes the figures of `docs/validation.md` into `docs/images` and prints its tables. Seeds as
 //! arguments take the place of the default ones: `-- 4 5`, and names of parts select them:
-//! `-- network` (the force network), `-- events`, `-- hydrates`, `-- moduli`. One thread; takes minutes.
+//! `-- network` (the force network), `-- events`, `-- hydrates`, `-- moduli`. One thread; takes
+//! minutes.
 #![allow(clippy::print_stdout, clippy::expect_used)] // A bench prints, and ends when a step fails.
 
 mod curve;
