@@ -24,8 +24,7 @@ pub(crate) fn sheet(all: &[Dissociations]) -> (&'static str, Sheet) {
         subtitle: format!(
             "2740 grains of quartz and hydrate without friction, at 21 MPa before anything happens: \
              the first point of every line. Lines: mean of the seeds {}, bands: lowest to highest. \
-             Of the state: tangent moduli; test: median of five secants of a \
-             uniaxial strain of 5e-5 each.",
+             Of the state: tangent moduli; test: secant of a uniaxial strain of 2e-4.",
             seeds.join(", ")
         ),
         charts,
