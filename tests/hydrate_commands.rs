@@ -271,8 +271,8 @@ fn a_step_goes_in_equal_parts_to_totals_and_the_next_one_begins_where_the_walls_
     let mut bounds = pack.bounds;
     bounds = bounds.displaced(&before.displacement);
     let strained = by_strain(&bounds, [0.0, 0.0, 1e-4]);
-    for w in 0..wall::COUNT {
-        let want = before.displacement[w] + strained[w];
+    for (w, strained) in strained.into_iter().enumerate() {
+        let want = before.displacement[w] + strained;
         assert!((last.displacement[w] - want).abs() < 1e-18, "{w}");
     }
     assert!(before.displacement.iter().all(|&at| at < 0.0));
