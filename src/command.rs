@@ -1,6 +1,7 @@
 //! What a rig asks of the twin, and what became of it.
 
 pub mod circumstance;
+mod dissociation;
 pub mod gate;
 pub mod map;
 pub mod merge;
@@ -9,6 +10,7 @@ pub mod request;
 use serde::{Deserialize, Serialize};
 
 use crate::wall::{self, WallTarget};
+pub use dissociation::Dissociation;
 
 /// A point in time as ROS 2 writes it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -81,7 +83,7 @@ impl From<Mode> for u8 {
     }
 }
 
-/// What a command asks of the walls.
+/// What a command asks of the walls, or of the hydrate between the grains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ask {
     /// An inward displacement of every wall \[m\]; walls under a load keep it. This is
@@ -89,6 +91,8 @@ pub enum Ask {
     Displacement([f64; wall::COUNT]),
     /// A target of each wall. This is `graintwin_msgs/WallTargets`.
     Targets([WallTarget; wall::COUNT]),
+    /// Hydrate dissociates. This is `graintwin_msgs/Dissociation`.
+    Dissociation(Dissociation),
 }
 
 impl Ask {
@@ -104,6 +108,7 @@ impl Ask {
         match self {
             Self::Displacement(displacement) => displacement.map(WallTarget::Displacement),
             Self::Targets(targets) => *targets,
+            Self::Dissociation(_) => [WallTarget::Keep; wall::COUNT],
         }
     }
 }
@@ -119,7 +124,7 @@ pub struct Command {
     pub sequence: u64,
     /// Absolute or incremental.
     pub mode: Mode,
-    /// What it asks of the walls.
+    /// What it asks for.
     pub ask: Ask,
     /// How old it was when it arrived, by the wall clock against its stamp \[s\]; `None` when
     /// nothing says so, as for a command from a file. It is no part of what the rig asked: a

@@ -31,7 +31,7 @@
 //! use graintwin::wall::Bounds;
 //!
 //! let scene = graintwin::scene::parse("pack: {file: none.csv}", "example.yaml".as_ref())?;
-//! let grain = Grain { position: [0.0; 3], radius: 1e-3, young: 70e9, poisson: 0.2, density: 2.5e3, friction: 0.0 };
+//! let grain = Grain { position: [0.0; 3], radius: 1e-3, young: 70e9, poisson: 0.2, density: 2.5e3, friction: 0.0, hydrate: false };
 //! let bounds = Bounds { min: [-1e-3; 3], max: [1e-3; 3] };
 //! let mut twin = Twin::new(&scene, &Pack { bounds, grains: vec![grain], history: None }, 1)?;
 //! twin.start(Demand::ALL);

@@ -11,6 +11,7 @@ pub mod coordination;
 pub mod discrepancy;
 pub mod fabric;
 pub mod grains;
+pub mod hydrate;
 pub mod moduli;
 pub mod motion;
 pub mod network;

@@ -1,12 +1,17 @@
 //! What stays constant after loading: grains, walls, laws and settings, in the solver's own order.
+//!
+//! Radii and weights follow from the grains as loaded and from what dissociation has done to them,
+//! two numbers of the state ([`hydrate`]).
 
 pub mod cement;
+pub mod hydrate;
 
 use crate::Vec3;
 use crate::contact::{Other, hertz, mindlin};
 use crate::pack::{Grain, Pack};
 use crate::scene::{self, Cement, Coulomb, Law, Scene, Solver, Update, Walls};
 use crate::wall::Bounds;
+use hydrate::Hydrate;
 
 /// Streams into which the grains are cut, then dealt one after the other.
 ///
@@ -29,9 +34,9 @@ const ROUNDINGS: f64 = 10.0;
 pub struct Model {
     /// Grain index in the pack file of each grain here, shape (n).
     pub order: Vec<u32>,
-    /// Constants of each grain; the positions are those at load.
+    /// Constants of each grain; positions and radii are those at load.
     pub grains: Vec<Grain>,
-    /// Radii R \[m\], shape (n).
+    /// Radii R now \[m\], shape (n).
     pub radius: Vec<f64>,
     /// (1-ν²)/E of each grain \[1/Pa\], shape (n).
     pub compliance: Vec<f64>,
@@ -49,6 +54,10 @@ pub struct Model {
     pub reference: Bounds,
     /// Settings of the relaxation.
     pub solver: Solver,
+    /// Gravitational acceleration \[m/s²\].
+    pub gravity: Vec3,
+    /// The grains that are hydrate, and what became of them.
+    pub hydrate: Hydrate,
     /// Friction and cement in shear; `None` when no contact can carry shear, and then no rotation is
     /// solved for.
     pub friction: Option<Friction>,
@@ -157,6 +166,7 @@ impl Model {
             let smooth = || Friction::smooth(&model.grains, &scene.walls, torsion);
             model.friction = model.friction.or_else(|| Some(smooth()));
         }
+        model.hydrate = Hydrate::of(&model);
         model
     }
 
@@ -189,6 +199,8 @@ impl Model {
             start: pack.bounds,
             reference: reference.unwrap_or(pack.bounds),
             solver,
+            gravity,
+            hydrate: Hydrate::default(),
             friction: None,
             cement: None,
             least_force: 0.0,

@@ -30,6 +30,7 @@ pub use graintwin::{
     BoundaryCommand, Circumstance, ContactNetwork, Discrepancy, Event, Fabric, GrainMotion, Moduli,
     PackState, Report, Tangent, TangentModuli, WallForces, WallTargets,
 };
+pub use graintwin::{Dissociation, Hydrate};
 pub use picture::{Marker, MarkerArray, PointCloud2};
 pub use rearrangement::{Rearrangement, Snapshot};
 pub use schema::{Described, MessageType};

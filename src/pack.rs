@@ -7,6 +7,7 @@ mod csv;
 mod error;
 pub mod generate;
 mod history;
+pub mod hydrate;
 pub mod prepare;
 pub mod properties;
 mod save;
@@ -37,6 +38,8 @@ pub struct Grain {
     pub density: f64,
     /// Coefficient of friction μ, 0 to infinite.
     pub friction: f64,
+    /// Whether it is gas hydrate, which can dissociate ([`hydrate`]).
+    pub hydrate: bool,
 }
 
 /// Grains in a box.

@@ -5,10 +5,12 @@
 //! per increment; a file brings its own stamps, which count from the end of the step before it.
 //! Whether the walls can go where a command sends them is for the twin to say.
 //!
-//! Where loads take the walls, and what walls that stood carry, only the twin knows: a [`Path`]
-//! makes the commands of a step when the step begins, from where the twin is by then.
+//! Where loads and pore pressures take the walls, and what walls that stood carry, only the twin
+//! knows: a [`Path`] makes the commands of a step when the step begins, from where the twin is by
+//! then.
 
 mod csv;
+mod dissociate;
 mod error;
 mod rig_log;
 mod strain;
@@ -18,7 +20,7 @@ use std::collections::VecDeque;
 use std::path::{Path as FilePath, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::command::{Ask, Command, Mode, Stamp};
+use crate::command::{Ask, Command, Dissociation, Mode, Stamp};
 use crate::report::{Demand, WallForces};
 use crate::scene::{LoadPath, MAX_COMMANDS, Step};
 use crate::sink::{Served, Sink};
@@ -87,8 +89,8 @@ pub struct Path {
     folder: PathBuf,
     course: Course,
     length: usize,
-    /// Whether a wall carries a load on the way.
-    loads: bool,
+    /// Whether something on the way takes walls where only the twin knows.
+    yields: bool,
     here: Whereabouts,
 }
 
@@ -104,7 +106,7 @@ impl Path {
             folder: folder.to_owned(),
             course: Course::new(*bounds),
             length: all.len(),
-            loads: all.iter().any(|command| matches!(command.ask, Ask::Targets(_))),
+            yields: all.iter().any(|command| !matches!(command.ask, Ask::Displacement(_))),
             here: Whereabouts::default(),
         })
     }
@@ -124,13 +126,13 @@ impl Path {
     /// Whether where the twin is matters.
     #[must_use]
     pub fn depends_on_the_twin(&self) -> bool {
-        self.loads
+        self.yields
     }
 
     /// Whether the next command can only be made once the last one has been served.
     #[must_use]
     pub fn waits(&self) -> bool {
-        self.loads && self.course.commands.is_empty() && !self.steps.is_empty()
+        self.yields && self.course.commands.is_empty() && !self.steps.is_empty()
     }
 }
 
@@ -141,7 +143,7 @@ impl From<Vec<Command>> for Path {
         let length = commands.len();
         course.commands = commands.into();
         let (steps, folder, here) = Default::default();
-        Self { steps, folder, course, length, loads: false, here }
+        Self { steps, folder, course, length, yields: false, here }
     }
 }
 
@@ -184,6 +186,7 @@ fn follow(step: &Step, folder: &FilePath, course: &mut Course) -> Result<(), Pat
         Step::Polyaxial(step) => strain::polyaxial(step, course),
         Step::Unload(step) => strain::unload(step, course),
         Step::Walls(step) => targets::follow(step, course),
+        Step::Dissociate(step) => dissociate::follow(step, course),
         Step::Repeat(_) => Ok(()), // Its steps stand in its place.
         Step::Commands(file) => csv::follow(&folder.join(file), course),
         Step::RigLog(step) => rig_log::follow(step, &folder.join(&step.file), course),
@@ -199,6 +202,10 @@ struct Course {
     targets: [WallTarget; wall::COUNT],
     /// Where the walls are by then, as far as it is known \[m\].
     displacement: [f64; wall::COUNT],
+    /// Saturation that is lost and pore pressure \[Pa\] by then.
+    dissociated: (f64, f64),
+    /// Whether the pore pressure has moved the walls since it was known where they are.
+    adrift: bool,
     /// Normal force on each wall when the step began \[N\]; 0 where nobody knows.
     force: [f64; wall::COUNT],
     /// Stamp of the last command \[ns\].
@@ -214,6 +221,8 @@ impl Course {
             start,
             targets: [WallTarget::Displacement(0.0); wall::COUNT],
             displacement: [0.0; wall::COUNT],
+            dissociated: (0.0, 0.0),
+            adrift: false,
             force: [0.0; wall::COUNT],
             clock: 0,
             sequence: 0,
@@ -221,13 +230,19 @@ impl Course {
         }
     }
 
-    /// Learns from the twin where loads took the walls, and what the others carry.
+    /// Learns from the twin where loads and pore pressures took the walls, and what they carry.
     fn update(&mut self, here: &WallForces) {
         for w in 0..wall::COUNT {
-            if !matches!(self.targets[w], WallTarget::Displacement(_)) {
-                self.displacement[w] = here.displacement[w];
+            match &mut self.targets[w] {
+                WallTarget::Displacement(target) if self.adrift => {
+                    *target = here.displacement[w];
+                    self.displacement[w] = here.displacement[w];
+                }
+                WallTarget::Displacement(_) => {}
+                _ => self.displacement[w] = here.displacement[w],
             }
         }
+        self.adrift = false;
         self.force = here.normal_force;
     }
 
@@ -254,10 +269,6 @@ impl Course {
         nanoseconds: i64,
         targets: [WallTarget; wall::COUNT],
     ) -> Result<(), PathError> {
-        self.sequence += 1;
-        if self.sequence > MAX_COMMANDS {
-            return Err(PathError::TooMany);
-        }
         let was_loaded = self.is_loaded();
         for (w, target) in targets.into_iter().enumerate() {
             if target != WallTarget::Keep {
@@ -267,11 +278,26 @@ impl Course {
                 self.displacement[w] = displacement;
             }
         }
-        self.clock = nanoseconds;
         let ask = match was_loaded || self.is_loaded() {
             true => Ask::Targets(self.targets),
             false => Ask::Displacement(self.displacement),
         };
+        self.command(nanoseconds, ask)
+    }
+
+    /// Adds a command for `nanoseconds` since the start of the run by which hydrate dissociates.
+    fn dissociate(&mut self, nanoseconds: i64, asked: Dissociation) -> Result<(), PathError> {
+        self.dissociated = (asked.saturation_loss, asked.pore_pressure);
+        self.adrift = true;
+        self.command(nanoseconds, Ask::Dissociation(asked))
+    }
+
+    fn command(&mut self, nanoseconds: i64, ask: Ask) -> Result<(), PathError> {
+        self.sequence += 1;
+        if self.sequence > MAX_COMMANDS {
+            return Err(PathError::TooMany);
+        }
+        self.clock = nanoseconds;
         self.commands.push_back(Command {
             stamp: stamp(nanoseconds).ok_or(PathError::TooLong)?,
             session: SESSION.into(),

@@ -321,6 +321,7 @@ fn demand(settings: &scene::Record) -> Demand {
     demand.grains = marked || settings.takes(&topics::GRAINS);
     demand.grain_motion = settings.takes(&topics::GRAIN_MOTION);
     demand.fabric = settings.takes(&topics::FABRIC);
+    demand.hydrate = settings.takes(&topics::HYDRATE);
     demand.rearrangements = settings.takes(&topics::REARRANGEMENTS);
     demand.snapshots = settings.takes(&topics::SNAPSHOTS);
     demand

@@ -16,6 +16,7 @@ mod conjugate_gradient;
 pub mod cool;
 pub mod coupled;
 mod crew;
+pub mod dissociate;
 mod downhill;
 mod dynamic;
 pub mod fire;

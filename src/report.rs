@@ -4,6 +4,8 @@ mod motion;
 
 mod fabric;
 
+mod hydrate;
+
 mod rearrangement;
 
 mod tangent;
@@ -13,6 +15,8 @@ use serde::Serialize;
 use crate::command::{Disposition, Stamp};
 use crate::wall;
 pub use motion::{Band, GrainMotion, Localisation};
+
+pub use hydrate::Hydrate;
 
 pub use fabric::{AngularForm, ByAngle, Chains, Directions, Fabric};
 
@@ -36,6 +40,8 @@ pub struct Demand {
     pub grain_motion: bool,
     /// Statistics of the force network: [`Fabric`].
     pub fabric: bool,
+    /// Hydrate and pore pressure, where the pack has hydrate: [`Hydrate`].
+    pub hydrate: bool,
     /// What each event did: [`Rearrangement`].
     pub rearrangements: bool,
     /// All grains before and after each event: [`Snapshot`].
@@ -52,6 +58,7 @@ impl Demand {
         grains: true,
         grain_motion: true,
         fabric: true,
+        hydrate: true,
         rearrangements: true,
         snapshots: true,
     };
@@ -65,6 +72,7 @@ impl Demand {
         grains: false,
         grain_motion: false,
         fabric: false,
+        hydrate: false,
         rearrangements: false,
         snapshots: false,
     };
@@ -80,6 +88,7 @@ impl Demand {
             grains: self.grains || other.grains,
             grain_motion: self.grain_motion || other.grain_motion,
             fabric: self.fabric || other.fabric,
+            hydrate: self.hydrate || other.hydrate,
             rearrangements: self.rearrangements || other.rearrangements,
             snapshots: self.snapshots || other.snapshots,
         }
@@ -141,6 +150,8 @@ pub struct Measures {
     pub motion: Option<GrainMotion>,
     /// Present when [`Demand::fabric`] was set.
     pub fabric: Option<Fabric>,
+    /// Present when [`Demand::hydrate`] was set and the pack has hydrate.
+    pub hydrate: Option<Hydrate>,
 }
 
 /// What kind of event, as `graintwin_msgs/Event` numbers it.

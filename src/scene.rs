@@ -8,7 +8,9 @@ mod cement;
 mod check;
 mod choice;
 mod contact;
+mod dissociate;
 mod error;
+mod hydrate;
 mod load;
 mod load_path;
 mod material;
@@ -37,7 +39,9 @@ pub use cement::{Cement, CementLaw, CementStrength, Exponential, Parallel, Power
 use check::{Field, Problems};
 pub use choice::Choice;
 pub use contact::{Contact, Coulomb, Friction, Law, Normal, Update};
+pub use dissociate::{BIOT, Dissociate};
 pub use error::{Problem, SceneError};
+pub use hydrate::Hydrate;
 pub use load::{Loaded, load, parse};
 pub use load_path::{
     Axis, Isotropic, LoadPath, MAX_COMMANDS, Moving, Polyaxial, Repeat, Step, Triaxial, Uniaxial,

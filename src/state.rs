@@ -32,6 +32,23 @@ pub struct State {
     pub wall_work: f64,
     /// Stored energy at the initial equilibrium \[J\].
     pub initial_energy: f64,
+    /// What dissociation has done since the start.
+    pub dissociated: Dissociated,
+}
+
+/// What dissociation of hydrate has done since the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Dissociated {
+    /// Hydrate saturation that is lost.
+    pub lost: f64,
+    /// Excess pore pressure \[Pa\].
+    pub pressure: f64,
+    /// Part of the total stress that the pore pressure has taken over from the grains \[Pa\]: the sum
+    /// of α_b Δp.
+    pub borne: f64,
+    /// Energy that changing the grains has brought into the pack \[J\]: negative where they shrank
+    /// under load.
+    pub work: f64,
 }
 
 /// Energies of shear and torsion \[J\].
@@ -132,6 +149,7 @@ impl State {
             friction: Ledger::default(),
             wall_work: 0.0,
             initial_energy: 0.0,
+            dissociated: Dissociated::default(),
         }
     }
 
@@ -265,6 +283,11 @@ impl State {
         numbers(displacement, take);
         let Ledger { stored, slip, renewal, .. } = friction;
         numbers(&[*stored, *slip, *renewal, *wall_work, *initial_energy], take);
+        // Last, and only where there is something, as in recordings made before there was hydrate.
+        if self.dissociated != Dissociated::default() {
+            let Dissociated { lost, pressure, borne, work } = self.dissociated;
+            numbers(&[lost, pressure, borne, work], take);
+        }
     }
 
     /// The box now.
@@ -284,6 +307,7 @@ impl State {
         self.friction = other.friction;
         self.wall_work = other.wall_work;
         self.initial_energy = other.initial_energy;
+        self.dissociated = other.dissociated;
     }
 }
 

@@ -1,5 +1,6 @@
 //! The one door: [`Twin::apply`] takes a command and returns a report.
 
+mod dissociation;
 mod limited;
 mod measured;
 mod merged;
@@ -103,7 +104,7 @@ impl Twin {
         Ok(Self {
             state,
             work: Workspace::new(&model),
-            gate: Gate::new(pack.bounds, &scene.node),
+            gate: Gate::new(pack.bounds, &scene.node).with_hydrate(&model.hydrate),
             pool,
             increment: 0,
             outcome: Outcome::NONE,
@@ -249,6 +250,7 @@ impl Twin {
                 let gone = self.go(&order, self.gate.limits().clamp);
                 self.conclude(command, order, gone, demand)
             }
+            Decision::Dissociate(to, text) => self.dissociate(command, &to, text, demand),
             Decision::Repeat(last) => repeat(report, last.map(|last| *last)),
             Decision::Refuse(disposition, text) => {
                 let report = Report { disposition, text, ..report };
@@ -385,7 +387,7 @@ impl Twin {
         let mut grains = self.model.grains.clone();
         for (k, &order) in self.model.order.iter().enumerate() {
             let position = self.state.position[k].into();
-            grains[order as usize] = Grain { position, ..self.model.grains[k] };
+            grains[order as usize] = Grain { position, ..self.model.grain(k) };
         }
         Pack {
             bounds: self.state.bounds(&self.model),

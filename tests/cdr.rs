@@ -17,10 +17,10 @@ use graintwin::msg::picture::{
 };
 use graintwin::msg::{
     BoundaryCommand, Circumstance, Clock, ContactNetwork, Described, DiagnosticArray,
-    DiagnosticStatus, Discrepancy, Duration, Event, Fabric, GrainMotion, Header, JointState,
-    JointTrajectory, JointTrajectoryPoint, KeyValue, Moduli, PackState, Quaternion, Rearrangement,
-    Report, Snapshot, TFMessage, Tangent, TangentModuli, Time, Transform, TransformStamped,
-    Vector3, WallForces, WallTargets, Wrench, WrenchStamped,
+    DiagnosticStatus, Discrepancy, Dissociation, Duration, Event, Fabric, GrainMotion, Header,
+    Hydrate, JointState, JointTrajectory, JointTrajectoryPoint, KeyValue, Moduli, PackState,
+    Quaternion, Rearrangement, Report, Snapshot, TFMessage, Tangent, TangentModuli, Time,
+    Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench, WrenchStamped,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -405,6 +405,27 @@ fn bytes_hashes_and_definitions_are_those_of_an_independent_implementation() {
     exchange.add(Event::default());
     exchange.add(fabric());
     exchange.add(Fabric::default());
+    exchange.add(Dissociation {
+        header: header(""),
+        session: "ß".into(),
+        sequence: 3,
+        mode: 1,
+        saturation_loss: 0.015,
+        pore_pressure: 1e6,
+        biot: 0.8,
+    });
+    exchange.add(Dissociation::default());
+    exchange.add(Hydrate {
+        header: header("pack"),
+        increment: 1 << 33,
+        saturation: 0.22,
+        present_saturation: 0.21,
+        pore_pressure: 1e6,
+        effective_stress: 2e7,
+        total_stress: 2.08e7,
+        porosity: 0.36,
+        pore_fraction: 0.46,
+    });
     exchange.add(Rearrangement {
         header: header("pack"),
         increment: 2,

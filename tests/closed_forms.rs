@@ -317,7 +317,15 @@ fn the_methods_of_the_seeds_rest_a_sphere_on_the_floor_with_its_weight() {
 /// Rubber balls of 10 mm: their weight makes overlaps that double precision resolves.
 fn ball(z: f64) -> Grain {
     let (young, poisson, density) = (1e7, 0.3, 1100.0);
-    Grain { position: [0.0, 0.0, z], radius: 0.01, young, poisson, density, friction: 0.0 }
+    Grain {
+        position: [0.0, 0.0, z],
+        radius: 0.01,
+        young,
+        poisson,
+        density,
+        friction: 0.0,
+        hydrate: false,
+    }
 }
 
 /// 4/3 π (0.01 m)³ 1100 kg/m³ 9.81 m/s².

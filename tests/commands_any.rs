@@ -10,7 +10,7 @@ use std::collections::VecDeque;
 use graintwin::command::map::{JointStateMap, TrajectoryMap};
 use graintwin::command::merge::mergeable;
 use graintwin::command::request::Intake;
-use graintwin::command::{Ask, Command, Disposition, Mode, Stamp};
+use graintwin::command::{Ask, Command, Disposition, Dissociation, Mode, Stamp};
 use graintwin::msg::{Duration, Header, JointState, JointTrajectory, JointTrajectoryPoint, Time};
 use graintwin::pack::Pack;
 use graintwin::report::{Demand, Report};
@@ -83,6 +83,7 @@ impl Model {
                     to[w] = on_top(w, asked[w]);
                 }
             }
+            Ask::Dissociation(_) => panic!("accepted {command:?}"),
             Ask::Targets(targets) => {
                 for (w, target) in targets.into_iter().enumerate() {
                     match target {
@@ -231,6 +232,10 @@ fn ask() -> impl Strategy<Value = Ask> {
             Ask::Displacement(displacement)
         }),
         2 => prop::array::uniform6(target()).prop_map(Ask::Targets),
+        // The pack has no hydrate: whatever is asked is refused.
+        1 => prop::array::uniform3(number()).prop_map(|[saturation_loss, pore_pressure, biot]| {
+            Ask::Dissociation(Dissociation { saturation_loss, pore_pressure, biot })
+        }),
     ]
 }
 

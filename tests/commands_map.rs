@@ -63,7 +63,7 @@ fn malformed(intake: Intake, joint: &str) -> (Command, String) {
 fn targets(command: &Command) -> [WallTarget; 6] {
     match command.ask {
         Ask::Targets(targets) => targets,
-        Ask::Displacement(_) => panic!("a displacement of every wall"),
+        other => panic!("{other:?}"),
     }
 }
 

@@ -182,7 +182,15 @@ fn a_viewer_that_reads_nothing_holds_up_neither_the_twin_nor_the_end() {
     let scene = scene::parse(ONE_GRAIN, Path::new("scene.yaml")).unwrap();
     let bounds = Bounds { min: [-1e-3; 3], max: [1e-3; 3] };
     let (young, poisson, density, friction) = (70e9, 0.2, 2.5e3, 0.0);
-    let grain = Grain { position: [0.0; 3], radius: 1.00001e-3, young, poisson, density, friction };
+    let grain = Grain {
+        position: [0.0; 3],
+        radius: 1.00001e-3,
+        young,
+        poisson,
+        density,
+        friction,
+        hydrate: false,
+    };
     let pack = Pack { bounds, grains: vec![grain], history: None };
     let report = Twin::new(&scene, &pack, 1).unwrap().start(Demand::ALL);
     let served = Arc::new(Served { command: None, report });

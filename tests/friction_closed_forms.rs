@@ -34,6 +34,7 @@ fn tilted(angle: f64, gravity: f64, gap: f64) -> (Scene, Pack) {
         poisson: 0.3,
         density: BALL_DENSITY,
         friction: MU,
+        hydrate: false,
     };
     let half = [BALL + gap, 3.0 * BALL, BALL - BALL_OVERLAP];
     let bounds = centered(half.map(|half| 2.0 * half));

@@ -58,6 +58,7 @@ fn ball() -> Pack {
         poisson: 0.2,
         density: 2.5e3,
         friction: 0.0,
+        hydrate: false,
     };
     let bounds = Bounds { min: [-1e-3; 3], max: [1e-3; 3] };
     Pack { bounds, grains: vec![grain], history: None }

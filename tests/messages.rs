@@ -7,7 +7,7 @@ mod shape;
 use std::fs;
 use std::path::Path;
 
-use graintwin::command::{Ask, Command, Disposition, Mode, Stamp};
+use graintwin::command::{self, Ask, Command, Disposition, Mode, Stamp};
 use graintwin::measure::discrepancy;
 use graintwin::msg::convert::{self, CommandMessage, LIVE_CHUNK};
 use graintwin::msg::picture::{
@@ -19,10 +19,10 @@ use graintwin::msg::rearrangement::{self, LIVE_CONTACTS, LIVE_GRAINS};
 use graintwin::msg::services::{SavePack, Service, SetBool, Trigger};
 use graintwin::msg::{
     BoundaryCommand, Circumstance, Clock, ContactNetwork, Described, DiagnosticArray,
-    DiagnosticStatus, Discrepancy, Duration, Event, Fabric, GrainMotion, Header, JointState,
-    JointTrajectory, JointTrajectoryPoint, KeyValue, Moduli, PackState, Quaternion, Rearrangement,
-    Report, Snapshot, TFMessage, Tangent, TangentModuli, Time, Transform, TransformStamped,
-    Vector3, WallForces, WallTargets, Wrench, WrenchStamped, topics,
+    DiagnosticStatus, Discrepancy, Dissociation, Duration, Event, Fabric, GrainMotion, Header,
+    Hydrate, JointState, JointTrajectory, JointTrajectoryPoint, KeyValue, Moduli, PackState,
+    Quaternion, Rearrangement, Report, Snapshot, TFMessage, Tangent, TangentModuli, Time,
+    Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench, WrenchStamped, topics,
 };
 use graintwin::report::{self, ContactState, EventEnd, EventKind, Measures};
 use graintwin::wall::{self, WallTarget};
@@ -92,6 +92,8 @@ fn every_struct_has_the_fields_of_its_text() {
     assert_same_fields::<Report>();
     assert_same_fields::<Event>();
     assert_same_fields::<Fabric>();
+    assert_same_fields::<Dissociation>();
+    assert_same_fields::<Hydrate>();
     assert_same_fields::<Rearrangement>();
     assert_same_fields::<Snapshot>();
     assert_same_fields::<Time>();
@@ -181,6 +183,8 @@ fn every_message_text_is_built_by_the_package_and_has_a_struct() {
         Report::TYPE,
         Event::TYPE,
         Fabric::TYPE,
+        Dissociation::TYPE,
+        Hydrate::TYPE,
         Rearrangement::TYPE,
         Snapshot::TYPE,
         Discrepancy::TYPE,
@@ -325,6 +329,18 @@ fn a_command_survives_the_way_through_its_message() {
         };
         assert_eq!(message.control, [0, 1, 2, 3, 4, 255]);
         assert_eq!(Command::from(message), command);
+        let asked = command::Dissociation {
+            saturation_loss: 0.25,
+            pore_pressure: f64::INFINITY,
+            biot: -0.0,
+        };
+        let command = Command { ask: Ask::Dissociation(asked), ..command };
+        let CommandMessage::Dissociation(message) = CommandMessage::from(&command) else {
+            panic!("a dissociation moves no wall by itself");
+        };
+        let numbers = (message.saturation_loss, message.pore_pressure, message.biot);
+        assert_eq!(numbers, (0.25, f64::INFINITY, -0.0));
+        assert_eq!(Command::from(message), command);
     }
 }
 
@@ -357,6 +373,7 @@ fn measures(contacts: u32) -> Measures {
         grains: None,
         motion: None,
         fabric: None,
+        hydrate: None,
     }
 }
 

@@ -226,7 +226,8 @@ fn a_ball_between_plates_turns_as_the_moments_of_its_contacts_ask() {
     let pull = gravity * 0.5f64.sqrt();
     scene.gravity = [pull, 0.0, -pull];
     let (young, poisson) = (1e7, 0.3);
-    let ball = Grain { position: [0.0; 3], radius, young, poisson, density, friction: MU };
+    let ball =
+        Grain { position: [0.0; 3], radius, young, poisson, density, friction: MU, hydrate: false };
     let half = [3.0 * radius, 3.0 * radius, radius - overlap];
     let pack = Pack { bounds: centered(half.map(|h| 2.0 * h)), grains: vec![ball], history: None };
     let (_, report) = Rig::start(&scene, &pack);

@@ -64,14 +64,16 @@ fn any_grain() -> impl Strategy<Value = Grain> {
     let position = (-1.0..1.0, other(), other()).prop_map(|(x, y, z)| [x, y, z]);
     let size = -300.0..-1.0_f64;
     let friction = prop_oneof![0.0..5.0, Just(f64::INFINITY)];
-    (position, size, 0.0..300.0_f64, -0.999..0.499, 0.0..20.0_f64, friction).prop_map(
-        |(position, radius, young, poisson, density, friction)| Grain {
+    let hydrate = any::<bool>();
+    (position, size, 0.0..300.0_f64, -0.999..0.499, 0.0..20.0_f64, friction, hydrate).prop_map(
+        |(position, radius, young, poisson, density, friction, hydrate)| Grain {
             position,
             radius: 10_f64.powf(radius),
             young: 10_f64.powf(young),
             poisson,
             density: 10_f64.powf(density),
             friction,
+            hydrate,
         },
     )
 }

@@ -6,11 +6,11 @@ use std::path::Path;
 
 use graintwin::scene::{
     self, Axis, Choice, ColorBy, Compression, Contact, Coulomb, Discovery, Fault, Friction,
-    Generate, Isotropic, Joint, JointStates, JointTrajectory, Late, Lateral, Law, Limits, LoadPath,
-    Material, MeasuredWrench, Method, ModuliKind, Moving, Node, Normal, Outputs, PackSource,
-    Polyaxial, Radius, Record, Repeat, RigLog, Scene, ServiceMapping, Solver, Step, StrainUnit,
-    Targets, Triaxial, Uniaxial, Unload, Update, View, WallName, Walls, WallsStep, When, Zero,
-    prepare,
+    Generate, Hydrate, Isotropic, Joint, JointStates, JointTrajectory, Late, Lateral, Law, Limits,
+    LoadPath, Material, MeasuredWrench, Method, ModuliKind, Moving, Node, Normal, Outputs,
+    PackSource, Polyaxial, Radius, Record, Repeat, RigLog, Scene, ServiceMapping, Solver, Step,
+    StrainUnit, Targets, Triaxial, Uniaxial, Unload, Update, View, WallName, Walls, WallsStep,
+    When, Zero, prepare,
 };
 use graintwin::wall::Bounds;
 use graintwin::wall::WallTarget;
@@ -106,6 +106,7 @@ fn pack() -> impl Strategy<Value = PackSource> {
             bounds: None,
             material: None,
             cut,
+            hydrate: None,
             seed: 0,
             prepare,
         }
@@ -117,6 +118,7 @@ fn pack() -> impl Strategy<Value = PackSource> {
             bounds,
             material: Some("quartz".into()),
             cut,
+            hydrate: Some(Hydrate { saturation: 0.22, material: "hydrate".into() }),
             seed,
             prepare,
         });

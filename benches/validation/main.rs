@@ -3,14 +3,15 @@
 //!
 //! Writes the figures of `docs/validation.md` into `docs/images` and prints its tables. Seeds as
 //! arguments take the place of the default ones: `-- 4 5`, and names of parts select them:
-//! `-- network` (the force network), `-- events`, `-- cement`, `-- two_step`, `-- moduli`. One thread;
-//! takes minutes.
+//! `-- network` (the force network), `-- events`, `-- cement`, `-- two_step`, `-- hydrates`,
+//! `-- moduli`. One thread; takes minutes.
 #![allow(clippy::print_stdout, clippy::expect_used)] // A bench prints, and ends when a step fails.
 
 mod cement;
 mod curve;
 mod events;
 mod figures;
+mod hydrates;
 mod intervals;
 mod network;
 mod runs;
@@ -22,6 +23,7 @@ mod two_step;
 use std::path::{Path, PathBuf};
 
 use graintwin::view::Sheet;
+use hydrates::Dissociations;
 use network::Networks;
 use runs::Sample;
 
@@ -29,7 +31,7 @@ use runs::Sample;
 const SEEDS: [u64; 3] = [1, 2, 3];
 
 /// Parts that can be selected.
-const PARTS: [&str; 5] = ["moduli", "network", "events", "cement", "two_step"];
+const PARTS: [&str; 6] = ["moduli", "network", "events", "cement", "two_step", "hydrates"];
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -49,6 +51,13 @@ fn main() {
             pool.install(|| seeds.iter().map(|&seed| Networks::run(seed)).collect());
         network::print(&networks);
         draw(network::sheets(&networks));
+    }
+    if selected("hydrates") {
+        let runs = seeds.iter().flat_map(|&seed| hydrates::CHOICES.map(|choice| (seed, choice)));
+        let all: Vec<Dissociations> =
+            pool.install(|| runs.map(|(seed, choice)| Dissociations::run(seed, choice)).collect());
+        hydrates::print(&all);
+        draw(vec![hydrates::sheet(&all)]);
     }
     if selected("events") {
         pool.install(|| events::run(&seeds, &images()));

@@ -5,7 +5,7 @@
 use std::io::Write;
 
 use arbitrary::Arbitrary;
-use graintwin::msg::{BoundaryCommand, Described, JointState, JointTrajectory, WallTargets};
+use graintwin::msg::{BoundaryCommand, Described, Dissociation, JointState, JointTrajectory, WallTargets};
 
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 
@@ -62,6 +62,7 @@ enum Entry {
 enum Kind {
     Boundary,
     Targets,
+    Dissociation,
     States,
     Trajectory,
     Unknown,
@@ -225,6 +226,7 @@ impl Kind {
         let kind = match self {
             Self::Boundary => BoundaryCommand::TYPE,
             Self::Targets => WallTargets::TYPE,
+            Self::Dissociation => Dissociation::TYPE,
             Self::States => JointState::TYPE,
             Self::Trajectory => JointTrajectory::TYPE,
             Self::Unknown => return ("std_msgs/msg/String".into(), "string data\n".into()),

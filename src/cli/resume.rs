@@ -6,8 +6,8 @@ use std::sync::atomic::AtomicBool;
 
 use anyhow::anyhow;
 
-use graintwin::command::Command;
 use graintwin::command::request::Intake;
+use graintwin::command::{Ask, Command};
 use graintwin::pack::Pack;
 use graintwin::record::reader::Bag;
 use graintwin::record::recover::{self, Recovered};
@@ -157,7 +157,11 @@ fn same(one: &Command, other: &Command) -> bool {
     let rest = |command: &Command| {
         (command.stamp, command.session.clone(), command.sequence, u8::from(command.mode))
     };
-    bits(one) == bits(other) && rest(one) == rest(other)
+    let dissociates = |command: &Command| match &command.ask {
+        Ask::Dissociation(asked) => Some(asked.named().map(|(_, number)| number.to_bits())),
+        _ => None,
+    };
+    bits(one) == bits(other) && dissociates(one) == dissociates(other) && rest(one) == rest(other)
 }
 
 /// The first line in which what bears on the answers differs between the scene of a recording and

@@ -174,6 +174,7 @@ pub(super) fn ordered(outputs: Outputs, wanted: Demand) -> Demand {
         grains: when(outputs.markers, wanted.grains),
         grain_motion: when(outputs.grain_motion, wanted.grain_motion),
         fabric: when(outputs.fabric, wanted.fabric),
+        hydrate: wanted.hydrate,
         rearrangements: when(outputs.rearrangements, wanted.rearrangements),
         snapshots: when(outputs.snapshots, wanted.snapshots),
     }

@@ -76,6 +76,16 @@ pub(super) fn history(history: Option<&History>) -> String {
     format!("history         {contacts} contacts, of which {sliding} slid last\n")
 }
 
+/// What of a pack is hydrate, a line when something is.
+fn hydrate(pack: &Pack) -> String {
+    match pack::hydrate::present(pack) {
+        (0, _) => String::new(),
+        (grains, saturation) => {
+            format!("hydrate         {grains} grains, saturation {}\n", significant(saturation, 5))
+        }
+    }
+}
+
 /// Number, size, density and history of a pack.
 pub(super) fn describe(pack: &Pack) -> String {
     let radii = pack.grains.iter().map(|grain| grain.radius);
@@ -86,11 +96,12 @@ pub(super) fn describe(pack: &Pack) -> String {
     let [x, y, z] = pack.bounds.sides().map(|side| significant(side * 1e3, 5));
     format!(
         "grains          {}\nradii           {} to {} mm\nbox             {x} x {y} x {z} mm\n\
-         grain volume    {} of the box, overlaps counted twice\n{}",
+         grain volume    {} of the box, overlaps counted twice\n{}{}",
         pack.grains.len(),
         significant(least * 1e3, 4),
         significant(most * 1e3, 4),
         significant(solid / pack.bounds.volume(), 5),
+        hydrate(pack),
         history(pack.history.as_ref()),
     )
 }

@@ -12,7 +12,7 @@ use graintwin::command::Disposition;
 use graintwin::measure::coordination::Histograms;
 use graintwin::pack::prepare::Reached;
 use graintwin::report::{
-    Demand, Event, Fabric, Localisation, Measures, Moduli, PackState, Tangent, WallForces,
+    Demand, Event, Fabric, Hydrate, Localisation, Measures, Moduli, PackState, Tangent, WallForces,
 };
 use graintwin::scene::{Friction, Loaded, Outputs, When};
 use graintwin::sink::{Served, Sink};
@@ -86,6 +86,9 @@ struct Moment {
     state: Option<PackState>,
     moduli: Option<Moduli>,
     tangent: Option<Tangent>,
+    /// When the pack has hydrate.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    hydrate: Option<Hydrate>,
 }
 
 /// One event and when it was.
@@ -206,6 +209,7 @@ impl Summary {
             state: measures.state,
             moduli: measures.moduli,
             tangent: measures.tangent,
+            hydrate: measures.hydrate,
         };
         self.increments = measures.increment;
         let increment = measures.increment;
@@ -227,7 +231,7 @@ impl Summary {
 
 impl Sink for &mut Summary {
     fn demand(&self) -> Demand {
-        Demand { state: true, moduli: true, tangent: true, ..Demand::NONE }
+        Demand { state: true, moduli: true, tangent: true, hydrate: true, ..Demand::NONE }
     }
 
     fn served(&mut self, served: &Arc<Served>) {

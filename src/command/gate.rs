@@ -1,12 +1,13 @@
 //! The gate: accepts or refuses a command by its form, its place in the sequence and the limits.
 //! It knows no clock and no socket (interfaces.md, "What becomes of a command").
 
+mod hydrate;
 mod limits;
 mod setpoint;
 
 use std::collections::VecDeque;
 
-use crate::command::{Ask, Command, Disposition, Mode, Stamp};
+use crate::command::{Ask, Command, Disposition, Dissociation, Mode, Stamp};
 use crate::report::Report;
 use crate::scene::{self, Fault, Limits};
 use crate::wall::{self, Bounds, Setpoint, WallTarget};
@@ -18,6 +19,8 @@ pub use limits::Stand;
 pub enum Decision {
     /// The walls shall do this.
     Serve(Order),
+    /// Hydrate shall dissociate so far, with a text for the report.
+    Dissociate(Dissociation, String),
     /// Served before, with the report then.
     Repeat(Option<Box<Report>>),
     /// Refused, with the reason.
@@ -59,6 +62,8 @@ pub struct Gate {
     now: Setpoint,
     /// Where the walls are \[m\].
     displacement: [f64; wall::COUNT],
+    /// What hydrate there is, and what became of it.
+    hydrate: hydrate::Stock,
 }
 
 /// The last command of a session that took a place in its sequence.
@@ -86,6 +91,7 @@ impl Gate {
             accepted: None,
             now: wall::standing(&displacement),
             displacement,
+            hydrate: hydrate::Stock::default(),
         }
     }
 
@@ -159,8 +165,17 @@ impl Gate {
                 text = format!("{missing} commands missing before it");
             }
         }
+        if let Ask::Dissociation(asked) = &command.ask {
+            return match self.dissociation(asked, command.mode) {
+                Ok(to) => Decision::Dissociate(to, text),
+                Err(text) => refuse(Disposition::Invalid, text),
+            };
+        }
         match self.setpoint(&command.ask, command.mode) {
-            Ok(setpoint) => self.limit(command, setpoint, text),
+            Ok(setpoint) => match self.limit(command, setpoint, text) {
+                Ok(order) => Decision::Serve(order),
+                Err(text) => refuse(Disposition::Limit, text),
+            },
             Err(text) => refuse(Disposition::Invalid, text),
         }
     }
@@ -180,16 +195,24 @@ impl Gate {
     }
 
     /// Holds `setpoint` against the limits.
-    fn limit(&self, command: &Command, setpoint: Setpoint, text: String) -> Decision {
+    ///
+    /// # Errors
+    /// When it is beyond one, unless it may be cut down to it.
+    pub fn limit(
+        &self,
+        command: &Command,
+        setpoint: Setpoint,
+        text: String,
+    ) -> Result<Order, String> {
         if let Some(text) = self.beyond_hard_limits(&setpoint) {
-            return Decision::Refuse(Disposition::Limit, text);
+            return Err(text);
         }
         match self.within_limits(&setpoint, self.elapsed(command)) {
-            (setpoint, None) => Decision::Serve(Order { setpoint, clamped: false, text }),
-            (_, Some(beyond)) if !self.limits.clamp => Decision::Refuse(Disposition::Limit, beyond),
+            (setpoint, None) => Ok(Order { setpoint, clamped: false, text }),
+            (_, Some(beyond)) if !self.limits.clamp => Err(beyond),
             (setpoint, Some(beyond)) => {
                 let text = join(&text, &format!("as far as allowed: {beyond}"));
-                Decision::Serve(Order { setpoint, clamped: true, text })
+                Ok(Order { setpoint, clamped: true, text })
             }
         }
     }
@@ -273,6 +296,7 @@ impl Gate {
     pub fn forget_commands(&mut self) {
         self.displacement = [0.0; wall::COUNT];
         self.now = wall::standing(&self.displacement);
+        self.hydrate.forget();
         self.sessions.clear();
         self.accepted = None;
     }

@@ -176,6 +176,11 @@ impl Neighbours {
         }
     }
 
+    /// Forgets the list: radii have changed since it was made.
+    pub fn forget(&mut self) {
+        self.made_in = None;
+    }
+
     /// Memory that its lists hold \[bytes\].
     pub(crate) fn heap_bytes(&self) -> usize {
         heap::bytes(&self.start)

@@ -1,5 +1,7 @@
 //! What a jump did to grains and contacts, in the order of the pack file.
 
+use std::borrow::Cow;
+
 use crate::Vec3;
 use crate::contact::neighbours::{Neighbours, wall_gap};
 use crate::model::Model;
@@ -80,6 +82,12 @@ fn in_file_order(model: &Model, list: &[Vec3]) -> Vec<[f64; 3]> {
 /// The contacts of `pose` as the pack file counts their bodies, sorted: every pair, floating grains
 /// too, whose overlap is at least [`FAINT_OVERLAP`] of the mean of all overlaps.
 fn contacts(model: &Model, pose: &Pose) -> Vec<[u32; 2]> {
+    // The radii may have been others on the way to the state of the model.
+    let mut model = Cow::Borrowed(model);
+    if !model.stands_for(&pose.dissociated) {
+        model.to_mut().dissociate(&pose.dissociated);
+    }
+    let model = &*model;
     let bounds = pose.bounds(model);
     let mut near = Neighbours::default();
     near.refresh(model, &pose.position, &bounds);

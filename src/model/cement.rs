@@ -7,7 +7,7 @@ use crate::contact::neighbours::wall_gap;
 use crate::contact::{Other, hertz};
 use crate::model::Model;
 use crate::scene::{Cement, CementLaw, Solution};
-use crate::state::Bond;
+use crate::state::{Bond, State};
 use crate::wall::{self, Bounds};
 
 /// How the cement of a bond answers.
@@ -69,6 +69,44 @@ impl Model {
             radius: part * bond.radius,
             share: bond.share,
         })
+    }
+}
+
+impl Model {
+    /// Whether grains press on each other besides the cement that holds them together.
+    #[must_use]
+    pub fn presses_beside_cement(&self) -> bool {
+        self.cement.is_some_and(|cement| matches!(cement.law, CementLaw::Parallel(_)))
+    }
+
+    /// Takes away what has dissolved of the cement of `state` since `lost` of the saturation was lost:
+    /// it is that much softer and weaker, and carries that much less at the same deformation
+    /// (T 6.2). The balance is to be found anew.
+    pub fn weaken(&self, state: &mut State, lost: f64) {
+        let Some(cement) = self.cement.filter(|cement| cement.saturation > 0.0) else { return };
+        let ratio = self.hydrate.left(state.dissociated.lost) / self.hydrate.left(lost);
+        let bounds = state.bounds(self);
+        let mut memory = state.memory.contacts.iter_mut().peekable();
+        for bond in state.bonds.iter_mut().filter(|bond| bond.holds()) {
+            let before = self.law_of(&cement, bond);
+            bond.share *= ratio;
+            // In shear and torsion grains and cement are one: what they carry falls as their radius.
+            let carried = match (before, self.law_of(&cement, bond)) {
+                (BondLaw::Effective(before), BondLaw::Effective(after)) => {
+                    let distance = bond.branch(&state.position, &bounds).norm();
+                    let [before, after] = [before, after].map(|law| law.contact_radius(distance));
+                    if before > 0.0 { after / before } else { ratio }
+                }
+                _ => ratio,
+            };
+            bond.work *= carried;
+            bond.normal_force = bond.normal_force.map(|force| force * carried);
+            while memory.next_if(|contact| contact.key() < bond.key()).is_some() {}
+            if let Some(contact) = memory.next_if(|contact| contact.key() == bond.key()) {
+                contact.shear *= carried;
+                contact.torsion *= carried;
+            }
+        }
     }
 }
 

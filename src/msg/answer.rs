@@ -9,9 +9,10 @@ use super::rcl::{Log, ParameterEvent};
 use super::rearrangement::{self, Rearrangement, Snapshot};
 use super::topics::{self, Topic};
 use super::{
-    BoundaryCommand, Circumstance, ContactNetwork, Described, DiagnosticArray, Discrepancy, Event,
-    Fabric, GrainMotion, JointState, JointTrajectory, MarkerArray, MessageType, Moduli, PackState,
-    PointCloud2, Report, TFMessage, Tangent, WallForces, WallTargets, WrenchStamped,
+    BoundaryCommand, Circumstance, ContactNetwork, Described, DiagnosticArray, Discrepancy,
+    Dissociation, Event, Fabric, GrainMotion, Hydrate, JointState, JointTrajectory, MarkerArray,
+    MessageType, Moduli, PackState, PointCloud2, Report, TFMessage, Tangent, WallForces,
+    WallTargets, WrenchStamped,
 };
 use crate::command::Stamp;
 use crate::report::Measures;
@@ -55,6 +56,7 @@ pub fn each<E>(
     match served.command.as_ref().map(CommandMessage::from) {
         Some(CommandMessage::Boundary(message)) => give(&topics::BOUNDARY_COMMAND, &message)?,
         Some(CommandMessage::Targets(message)) => give(&topics::WALL_TARGETS, &message)?,
+        Some(CommandMessage::Dissociation(message)) => give(&topics::DISSOCIATION, &message)?,
         None => {}
     }
     if let Some(measures) = &served.report.measures {
@@ -101,6 +103,9 @@ fn each_measure<E>(
     }
     if let Some(fabric) = convert::fabric(measures) {
         give(&topics::FABRIC, &fabric)?;
+    }
+    if let Some(hydrate) = convert::hydrate(measures) {
+        give(&topics::HYDRATE, &hydrate)?;
     }
     for event in convert::events(measures) {
         give(&topics::EVENTS, &event)?;
@@ -176,7 +181,7 @@ macro_rules! outgoing {
 outgoing!(header of BoundaryCommand, WallTargets, Circumstance, Report, WallForces, WrenchStamped,
     JointState, JointTrajectory, PackState, Moduli, ContactNetwork, GrainMotion, Event, Discrepancy, Fabric, Tangent,
     DiagnosticArray, PointCloud2);
-outgoing!(header of Rearrangement, Snapshot);
+outgoing!(header of Rearrangement, Snapshot, Dissociation, Hydrate);
 outgoing!(Log: |message| message.stamp.into(), ParameterEvent: |message| message.stamp.into());
 outgoing!(TFMessage: |message| {
     message.transforms.first().map(|first| first.header.stamp.into()).unwrap_or_default()

@@ -10,11 +10,15 @@ pub use fabric::fabric;
 
 mod tangent;
 
+mod hydrate;
+
+pub use hydrate::hydrate;
+
 use super::topics::{PACK_FRAME, VIEW_FRAME, WORLD_FRAME, wall_frame};
 use super::{
-    BoundaryCommand, ContactNetwork, Discrepancy, Event, Header, JointState, Moduli, PackState,
-    Report, TFMessage, Time, Transform, TransformStamped, WallForces, WallTargets, Wrench,
-    WrenchStamped,
+    BoundaryCommand, ContactNetwork, Discrepancy, Dissociation, Event, Header, JointState, Moduli,
+    PackState, Report, TFMessage, Time, Transform, TransformStamped, WallForces, WallTargets,
+    Wrench, WrenchStamped,
 };
 use crate::command::{Ask, Command, Stamp};
 use crate::measure::discrepancy;
@@ -45,6 +49,8 @@ pub enum CommandMessage {
     Boundary(BoundaryCommand),
     /// With a target of each wall.
     Targets(WallTargets),
+    /// With the dissociation of hydrate.
+    Dissociation(Dissociation),
 }
 
 impl From<&Command> for CommandMessage {
@@ -64,6 +70,18 @@ impl From<&Command> for CommandMessage {
                 control: targets.map(|target| target.numbers().0),
                 value: targets.map(|target| target.numbers().1),
             }),
+            Ask::Dissociation(asked) => {
+                let crate::command::Dissociation { saturation_loss, pore_pressure, biot } = asked;
+                Self::Dissociation(Dissociation {
+                    header,
+                    session,
+                    sequence,
+                    mode,
+                    saturation_loss,
+                    pore_pressure,
+                    biot,
+                })
+            }
         }
     }
 }

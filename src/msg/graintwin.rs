@@ -4,6 +4,8 @@ mod grain_motion;
 
 mod fabric;
 
+mod hydrate;
+
 mod tangent;
 
 use serde::{Deserialize, Serialize};
@@ -16,6 +18,8 @@ use crate::wall;
 pub use tangent::{Tangent, TangentModuli};
 
 pub use fabric::Fabric;
+
+pub use hydrate::{Dissociation, Hydrate};
 
 /// Where the walls shall be.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -257,6 +261,16 @@ message!(
     WallTargets,
     &[Header::TYPE],
     "3b2053161b0e565e63222cf7562102a4c724f5137ce28963446e2475fdfb72fb"
+);
+message!(
+    Dissociation,
+    &[Header::TYPE],
+    "0ff1686f2a4432051f58531579a1719a100d2b16b1ed2cec5e1eddc1fddc1087"
+);
+message!(
+    Hydrate,
+    &[Header::TYPE],
+    "18043ae68674771914dccccdcab5a2df4bb5216df1d8d485da3d4110a9b59e06"
 );
 message!(
     WallForces,

@@ -4,9 +4,9 @@ use super::rcl::{Log, ParameterEvent};
 use super::rearrangement::{Rearrangement, Snapshot};
 use super::schema::{Described, MessageType};
 use super::{
-    BoundaryCommand, Circumstance, ContactNetwork, DiagnosticArray, Discrepancy, Event, Fabric,
-    GrainMotion, JointState, JointTrajectory, MarkerArray, Moduli, PackState, PointCloud2, Report,
-    TFMessage, Tangent, WallForces, WallTargets, WrenchStamped,
+    BoundaryCommand, Circumstance, ContactNetwork, DiagnosticArray, Discrepancy, Dissociation,
+    Event, Fabric, GrainMotion, Hydrate, JointState, JointTrajectory, MarkerArray, Moduli,
+    PackState, PointCloud2, Report, TFMessage, Tangent, WallForces, WallTargets, WrenchStamped,
 };
 use crate::wall;
 
@@ -103,6 +103,8 @@ impl Topic {
 pub static BOUNDARY_COMMAND: Topic = Topic::new("boundary_command", BoundaryCommand::TYPE, 20_000);
 /// In: [`WallTargets`].
 pub static WALL_TARGETS: Topic = Topic::new("wall_targets", WallTargets::TYPE, 20_000);
+/// In: [`Dissociation`].
+pub static DISSOCIATION: Topic = Topic::new("dissociation", Dissociation::TYPE, 20_000);
 /// In, when the scene maps joints: [`JointState`]. Recorded as it came, and as the [`WallTargets`] it
 /// becomes.
 pub static JOINT_STATES: Topic = Topic::new("joint_states", JointState::TYPE, 256);
@@ -145,6 +147,9 @@ pub static MARKERS: Topic = Topic::new("markers", MarkerArray::TYPE, 2);
 /// Out: [`Fabric`].
 pub static FABRIC: Topic = Topic::new("fabric", Fabric::TYPE, 64);
 
+/// Out: [`Hydrate`], when the pack has hydrate.
+pub static HYDRATE: Topic = Topic::new("hydrate", Hydrate::TYPE, 64);
+
 /// Out: [`Event`], one message an event.
 pub static EVENTS: Topic = Topic::new("events", Event::TYPE, 64);
 /// Out: [`Rearrangement`], one message an event, or its chunks.
@@ -184,6 +189,7 @@ pub fn measures() -> impl Iterator<Item = &'static Topic> {
         &CONTACT_NETWORK,
         &GRAIN_MOTION,
         &FABRIC,
+        &HYDRATE,
         &EVENTS,
         &REARRANGEMENTS,
         &SNAPSHOTS,
@@ -193,10 +199,15 @@ pub fn measures() -> impl Iterator<Item = &'static Topic> {
     ])
 }
 
+/// The topics of the commands.
+pub fn commands() -> impl Iterator<Item = &'static Topic> {
+    [&BOUNDARY_COMMAND, &WALL_TARGETS, &DISSOCIATION].into_iter()
+}
+
 /// Every topic that can be recorded, commands first.
 pub fn all() -> impl Iterator<Item = &'static Topic> {
-    [&BOUNDARY_COMMAND, &WALL_TARGETS, &CIRCUMSTANCE, &REPORT]
-        .into_iter()
+    commands()
+        .chain([&CIRCUMSTANCE, &REPORT])
         .chain(measures())
         .chain(&MEASURED_WRENCH)
         .chain([&DISCREPANCY, &JOINT_STATES, &JOINT_TRAJECTORY])

@@ -12,10 +12,10 @@ use super::names::Identity;
 use super::services::Services;
 use super::{NodeError, clock, mapping};
 use crate::msg::{
-    BoundaryCommand, Clock, ContactNetwork, DiagnosticArray, Discrepancy, Event, Fabric,
-    GrainMotion, JointState, JointTrajectory, MarkerArray, Moduli, PackState, PointCloud2,
-    Rearrangement, Report, TFMessage, Tangent, Topic, WallForces, WallTargets, WrenchStamped,
-    topics,
+    BoundaryCommand, Clock, ContactNetwork, DiagnosticArray, Discrepancy, Dissociation, Event,
+    Fabric, GrainMotion, Hydrate, JointState, JointTrajectory, MarkerArray, Moduli, PackState,
+    PointCloud2, Rearrangement, Report, TFMessage, Tangent, Topic, WallForces, WallTargets,
+    WrenchStamped, topics,
 };
 use crate::{scene, wall};
 
@@ -38,6 +38,7 @@ pub(super) struct Endpoints {
     pub markers: Out<MarkerArray>,
     pub events: Out<Event>,
     pub fabric: Out<Fabric>,
+    pub hydrate: Out<Hydrate>,
     pub rearrangements: Out<Rearrangement>,
     pub report: Out<Report>,
     /// When load cells are mapped.
@@ -69,6 +70,7 @@ pub(super) struct Subscriptions {
 pub(super) struct Sources {
     pub commands: Subscription<BoundaryCommand>,
     pub targets: Subscription<WallTargets>,
+    pub dissociations: Subscription<Dissociation>,
     /// When the scene maps joints.
     pub joint_states: Option<Subscription<JointState>>,
     /// When the scene maps joints.
@@ -90,6 +92,7 @@ impl Endpoints {
             sources: Sources {
                 commands: subscribe(&mut node, identity, &topics::BOUNDARY_COMMAND)?,
                 targets: subscribe(&mut node, identity, &topics::WALL_TARGETS)?,
+                dissociations: subscribe(&mut node, identity, &topics::DISSOCIATION)?,
                 joint_states: match options.joint_states {
                     Some(_) => Some(subscribe(&mut node, identity, &topics::JOINT_STATES)?),
                     None => None,
@@ -131,6 +134,7 @@ impl Endpoints {
             markers: Out::new(&mut node, identity, &topics::MARKERS)?,
             events: Out::new(&mut node, identity, &topics::EVENTS)?,
             fabric: Out::new(&mut node, identity, &topics::FABRIC)?,
+            hydrate: Out::new(&mut node, identity, &topics::HYDRATE)?,
             rearrangements: Out::new(&mut node, identity, &topics::REARRANGEMENTS)?,
             report: Out::new(&mut node, identity, &topics::REPORT)?,
             discrepancy: cells
@@ -163,6 +167,7 @@ impl Endpoints {
             self.markers.listeners(self),
             self.events.listeners(self),
             self.fabric.listeners(self),
+            self.hydrate.listeners(self),
             self.rearrangements.listeners(self),
             self.report.listeners(self),
         ]);

@@ -17,7 +17,7 @@ use super::frames::{Frame, Frames};
 use super::pictures::{Easel, Picture};
 use crate::msg::rearrangement::{self, LIVE_CONTACTS, LIVE_GRAINS, Rearrangement};
 use crate::msg::{
-    Discrepancy, Event, Fabric, JointState, Moduli, PackState, Report, TFMessage, Tangent,
+    Discrepancy, Event, Fabric, Hydrate, JointState, Moduli, PackState, Report, TFMessage, Tangent,
     WallForces, WrenchStamped, convert,
 };
 use crate::report::Demand;
@@ -55,6 +55,7 @@ pub(super) enum Outgoing {
     Picture(Picture, Arc<Served>),
     Event(Event),
     Fabric(Box<Fabric>),
+    Hydrate(Hydrate),
     Rearrangement(Rearrangement),
     Report(Report),
     Discrepancy(Discrepancy),
@@ -102,6 +103,7 @@ impl NodeSink {
             messages.extend(convert::pack_state(measures).map(Outgoing::State));
             messages.extend(convert::moduli(measures).map(Outgoing::Moduli));
             messages.extend(convert::fabric(measures).map(|one| Outgoing::Fabric(Box::new(one))));
+            messages.extend(convert::hydrate(measures).map(Outgoing::Hydrate));
             messages.extend(convert::tangent(measures).map(Box::new).map(Outgoing::Tangent));
             messages.extend(convert::events(measures).map(Outgoing::Event));
             let chunks = rearrangement::chunks(measures, LIVE_GRAINS, LIVE_CONTACTS);
@@ -149,6 +151,7 @@ impl Sink for NodeSink {
             contact_network: when(contact_network, |endpoints| {
                 endpoints.contact_network.has_listener(endpoints)
             }) || marked && contact_network != When::Never,
+            hydrate: asked(|endpoints| endpoints.hydrate.has_listener(endpoints)),
             fabric: when(fabric, |endpoints| endpoints.fabric.has_listener(endpoints)),
             rearrangements: when(rearrangements, |endpoints| {
                 endpoints.rearrangements.has_listener(endpoints)
@@ -250,6 +253,7 @@ impl Outbox {
             Outgoing::Picture(Picture::Grains, _) => endpoints.grains.has_listener(endpoints),
             Outgoing::Picture(Picture::Markers, _) => endpoints.markers.has_listener(endpoints),
             Outgoing::Event(_) => endpoints.events.has_listener(endpoints),
+            Outgoing::Hydrate(_) => endpoints.hydrate.has_listener(endpoints),
             Outgoing::Fabric(_) => endpoints.fabric.has_listener(endpoints),
             Outgoing::Rearrangement(_) => endpoints.rearrangements.has_listener(endpoints),
             Outgoing::Report(_) => endpoints.report.has_listener(endpoints),
@@ -271,6 +275,7 @@ impl Outbox {
             Outgoing::Moduli(message) => endpoints.moduli.publish(message).await,
             Outgoing::Tangent(message) => endpoints.tangent.publish(*message).await,
             Outgoing::Event(message) => endpoints.events.publish(message).await,
+            Outgoing::Hydrate(message) => endpoints.hydrate.publish(message).await,
             Outgoing::Fabric(message) => endpoints.fabric.publish(*message).await,
             Outgoing::Rearrangement(message) => endpoints.rearrangements.publish(message).await,
             Outgoing::Report(message) => endpoints.report.publish(message).await,

@@ -21,7 +21,7 @@ use super::endpoints::{Out, subscribe};
 use super::{EndOfCommands, Identity, NodeError, SPINNER_END, create, participant, spin};
 use crate::command::Command;
 use crate::msg::convert::CommandMessage;
-use crate::msg::{BoundaryCommand, Report, WallTargets, topics};
+use crate::msg::{BoundaryCommand, Dissociation, Report, WallTargets, topics};
 use crate::path::{Path, PathError};
 use crate::scene;
 
@@ -129,11 +129,14 @@ impl Drop for DeclareAtEnd {
 struct Commands {
     boundary: Out<BoundaryCommand>,
     targets: Out<WallTargets>,
+    dissociations: Out<Dissociation>,
 }
 
 impl Commands {
     fn are_matched(&self, node: &Node) -> bool {
-        self.boundary.is_matched(node) && self.targets.is_matched(node)
+        self.boundary.is_matched(node)
+            && self.targets.is_matched(node)
+            && self.dissociations.is_matched(node)
     }
 
     /// False when the command is lost.
@@ -141,6 +144,7 @@ impl Commands {
         match CommandMessage::from(command) {
             CommandMessage::Boundary(message) => self.boundary.publish(message).await,
             CommandMessage::Targets(message) => self.targets.publish(message).await,
+            CommandMessage::Dissociation(message) => self.dissociations.publish(message).await,
         }
     }
 }
@@ -160,6 +164,7 @@ impl Link {
         let commands = Commands {
             boundary: Out::new(&mut node, twin, &topics::BOUNDARY_COMMAND)?,
             targets: Out::new(&mut node, twin, &topics::WALL_TARGETS)?,
+            dissociations: Out::new(&mut node, twin, &topics::DISSOCIATION)?,
         };
         let reports = subscribe(&mut node, twin, &topics::REPORT)?;
         Ok(Self { commands, reports, node, spinner, context })

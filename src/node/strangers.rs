@@ -19,7 +19,7 @@ pub(super) fn watched(
     identity: &Identity,
     options: &scene::Node,
 ) -> Vec<(String, &'static MessageType)> {
-    let mut watched = vec![&topics::BOUNDARY_COMMAND, &topics::WALL_TARGETS];
+    let mut watched: Vec<_> = topics::commands().collect();
     watched.extend(options.joint_states.as_ref().map(|_| &topics::JOINT_STATES));
     watched.extend(options.joint_trajectory.as_ref().map(|_| &topics::JOINT_TRAJECTORY));
     watched.into_iter().map(|topic| (identity.resolve(&topic.graph_name()), topic.kind)).collect()

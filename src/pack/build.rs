@@ -9,9 +9,9 @@ use super::generate::generate;
 use super::prepare::prepare;
 use super::{
     Constants, Grain, History, Pack, PackError, PackFile, PackRow, Texts, beside, csv, history,
-    properties, read,
+    hydrate, properties, read,
 };
-use crate::scene::{Friction, Generate, Loaded, Material, Scene};
+use crate::scene::{self, Friction, Generate, Loaded, Material, Scene};
 use crate::table::TableError;
 use crate::wall::Bounds;
 
@@ -36,7 +36,7 @@ pub fn unprepared(loaded: &Loaded) -> Result<Pack, PackError> {
         (None, Some(file)) => from_file(loaded, file)?,
         (None, None) => return Err(PackError::NoSource),
     };
-    let Some(cut) = &source.cut else { return Ok(pack) };
+    let Some(cut) = &source.cut else { return filled(loaded, pack) };
     if pack.history.is_some() {
         tracing::warn!("pack.cut drops the history of the pack: another specimen begins anew");
     }
@@ -44,14 +44,39 @@ pub fn unprepared(loaded: &Loaded) -> Result<Pack, PackError> {
     if specimen.grains.is_empty() {
         return Err(PackError::EmptyCut { grains: pack.grains.len() });
     }
-    Ok(specimen)
+    filled(loaded, specimen)
+}
+
+/// A pack that was read, with the hydrate that the scene puts into it; one that was made has it.
+fn filled(loaded: &Loaded, pack: Pack) -> Result<Pack, PackError> {
+    let Some(file) = &loaded.scene.pack.file else { return Ok(pack) };
+    let Some(filling) = filling(&loaded.scene)? else { return Ok(pack) };
+    match pack.grains.iter().any(|grain| grain.hydrate) {
+        true => Err(PackError::TwiceHydrate { file: loaded.resolve(file) }),
+        false => Ok(hydrate::fill(&pack, &filling)),
+    }
+}
+
+/// The hydrate of a scene.
+fn filling(scene: &Scene) -> Result<Option<hydrate::Filling<'_>>, PackError> {
+    let Some(scene::Hydrate { saturation, material: name }) = &scene.pack.hydrate else {
+        return Ok(None);
+    };
+    let field = "pack.hydrate.material";
+    let material = material(scene, name)
+        .ok_or_else(|| PackError::UnknownMaterial { field, name: name.clone() })?;
+    let (saturation, seed) = (*saturation, scene.pack.seed());
+    Ok(Some(hydrate::Filling { saturation, material, seed }))
 }
 
 fn made(scene: &Scene, spec: &Generate) -> Result<Pack, PackError> {
+    let field = "pack.generate.material";
     let material = material(scene, &spec.material)
-        .ok_or_else(|| PackError::UnknownMaterial { name: spec.material.clone() })?;
+        .ok_or_else(|| PackError::UnknownMaterial { field, name: spec.material.clone() })?;
     let friction = scene.contact.friction.coefficient();
-    Ok(generate(spec, material, &scene.walls, friction, scene.solver)?)
+    let pack = generate(spec, material, &scene.walls, friction, scene.solver)?;
+    let Some(filling) = filling(scene)? else { return Ok(pack) };
+    Ok(hydrate::fill_at(&pack, &filling, spec.confining_stress, &scene.walls, scene.solver)?)
 }
 
 fn from_file(loaded: &Loaded, file: &Path) -> Result<Pack, PackError> {
@@ -104,11 +129,11 @@ fn grain(
     scene: &Scene,
     rng: &mut Pcg64,
 ) -> Result<Grain, PackError> {
-    let (position, radius) = (row.position, row.radius);
+    let (position, radius, hydrate) = (row.position, row.radius, row.hydrate);
     let name = match &row.constants {
         Constants::Given { young, poisson, density, friction } => {
             let (young, poisson, density, friction) = (*young, *poisson, *density, *friction);
-            return Ok(Grain { position, radius, young, poisson, density, friction });
+            return Ok(Grain { position, radius, young, poisson, density, friction, hydrate });
         }
         Constants::Material(name) => name,
         Constants::Unknown => scene
@@ -124,7 +149,7 @@ fn grain(
     })?;
     let (young, poisson) = properties::draw(material, rng);
     let (density, friction) = (material.density, scene.contact.friction.coefficient());
-    Ok(Grain { position, radius, young, poisson, density, friction })
+    Ok(Grain { position, radius, young, poisson, density, friction, hydrate })
 }
 
 fn material<'scene>(scene: &'scene Scene, name: &str) -> Option<&'scene Material> {

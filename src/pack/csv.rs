@@ -12,6 +12,7 @@ use crate::wall::{self, Bounds};
 const GEOMETRY: [&str; 4] = ["x", "y", "z", "radius"];
 const MATERIAL: &str = "material";
 const CONSTANTS: [&str; 4] = ["young", "poisson", "density", "friction"];
+const HYDRATE: &str = "hydrate";
 
 /// What a pack CSV says about the grains' material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,6 +47,8 @@ pub struct PackRow {
     pub radius: f64,
     /// What it is made of.
     pub constants: Constants,
+    /// Whether it is gas hydrate; not without the column.
+    pub hydrate: bool,
 }
 
 /// What one grain is made of.
@@ -94,6 +97,7 @@ fn rows(table: &Table, file: &Path) -> Result<PackFile, PackError> {
     };
     let geometry = index(GEOMETRY)?;
     let material = table.column(MATERIAL);
+    let hydrate = table.column(HYDRATE);
     let constants = match columns {
         Columns::Constants => Some(index(CONSTANTS)?),
         Columns::Geometry | Columns::Material => None,
@@ -115,6 +119,7 @@ fn rows(table: &Table, file: &Path) -> Result<PackFile, PackError> {
                 (None, Some(columns)) => given(&row, columns)?,
                 (None, None) => Constants::Unknown,
             },
+            hydrate: hydrate.map_or(Ok(false), |column| flag(&row, column))?,
         });
     }
     if rows.is_empty() {
@@ -128,12 +133,13 @@ fn rows(table: &Table, file: &Path) -> Result<PackFile, PackError> {
 }
 
 fn columns(table: &Table) -> Result<Columns, TableError> {
-    let known =
-        |name: &str| GEOMETRY.contains(&name) || name == MATERIAL || CONSTANTS.contains(&name);
+    let known = |name: &str| {
+        [MATERIAL, HYDRATE].contains(&name) || GEOMETRY.contains(&name) || CONSTANTS.contains(&name)
+    };
     if let Some(name) = table.header().iter().find(|name| !known(name)) {
         return Err(table.in_header(format!(
             "column `{name}` is unknown; allowed: x, y, z, radius and either material or young, \
-             poisson, density, friction"
+             poisson, density, friction; and hydrate"
         )));
     }
     let constants = CONSTANTS.iter().any(|name| table.column(name).is_some());
@@ -156,6 +162,15 @@ fn given(row: &Row<'_>, columns: [usize; 4]) -> Result<Constants, TableError> {
         density: positive(row, density, "density > 0 kg/m³")?,
         friction: coefficient(row, friction)?,
     })
+}
+
+/// Whether a grain is hydrate: 1 or 0.
+fn flag(row: &Row<'_>, column: usize) -> Result<bool, TableError> {
+    match row.text(column) {
+        "0" => Ok(false),
+        "1" => Ok(true),
+        other => Err(row.wrong(column, format!("`{other}` is neither 0 nor 1"))),
+    }
 }
 
 /// A coefficient of friction; the word `inf` stands for grains that never slide.
@@ -213,16 +228,24 @@ impl PackFile {
 /// The pack as CSV with the constants of every grain.
 pub(super) fn to_csv(pack: &Pack) -> String {
     let mut text = [GEOMETRY, CONSTANTS].concat().join(",");
+    let has_hydrate = pack.grains.iter().any(|grain| grain.hydrate);
+    if has_hydrate {
+        text = [text.as_str(), HYDRATE].join(",");
+    }
     text.push('\n');
     for grain in &pack.grains {
         let [x, y, z] = grain.position;
         let (radius, young, poisson) = (grain.radius, grain.young, grain.poisson);
         let (density, friction) = (grain.density, grain.friction);
         // Writing to a string cannot fail.
-        let _ = writeln!(
+        let _ = write!(
             text,
             "{x:?},{y:?},{z:?},{radius:?},{young:?},{poisson:?},{density:?},{friction:?}"
         );
+        if has_hydrate {
+            let _ = write!(text, ",{}", u8::from(grain.hydrate));
+        }
+        text.push('\n');
     }
     text
 }

@@ -63,10 +63,22 @@ pub enum PackError {
     #[error("pack: neither `generate` nor `file` is given; allowed: exactly one of them")]
     NoSource,
     /// The scene names a material that it does not have.
-    #[error("pack.generate.material: no material is named `{name}`; allowed: one of `materials`")]
+    #[error("{field}: no material is named `{name}`; allowed: one of `materials`")]
     UnknownMaterial {
+        /// Where.
+        field: &'static str,
         /// The name.
         name: String,
+    },
+    /// Both the scene and the file say which grains are hydrate.
+    #[error(
+        "pack.hydrate: {} says itself which grains are hydrate, in its column `hydrate`; allowed: \
+         one of the two",
+        file.display()
+    )]
+    TwiceHydrate {
+        /// The CSV.
+        file: PathBuf,
     },
     /// The cut leaves nothing.
     #[error(

@@ -105,7 +105,7 @@ pub fn generate(
             let radius = properties::radius(spec.radius, &mut rng);
             let (young, poisson) = properties::draw(material, &mut rng);
             let density = material.density;
-            Grain { position: [0.0; 3], radius, young, poisson, density, friction }
+            Grain { position: [0.0; 3], radius, young, poisson, density, friction, hydrate: false }
         })
         .collect();
     let mut press = Press::new(&scatter(spec, material, grains, &mut rng), walls, solver);

@@ -23,7 +23,7 @@ impl Role {
     /// Of the messages on the recorded topic `name`.
     pub(super) fn of(name: &str) -> Self {
         let is = |known: &Topic| known.recorded_name() == name;
-        if is(&topics::BOUNDARY_COMMAND) || is(&topics::WALL_TARGETS) {
+        if topics::commands().any(is) {
             Self::Command
         } else if is(&topics::CIRCUMSTANCE) {
             Self::Circumstance

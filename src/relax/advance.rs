@@ -15,9 +15,9 @@ use crate::wall::{self, Bounds, Control, Load, Setpoint};
 /// decompression passes the point where the overlaps vanish.
 const LEAST_SHARE: f64 = 0.01;
 /// A command of exactly the largest strain may come out larger by rounding and is not halved.
-const ROUNDING: f64 = 1e-9;
+pub(super) const ROUNDING: f64 = 1e-9;
 /// Halvings of a sub-increment that finds no equilibrium.
-const HALVINGS: u32 = 6;
+pub(super) const HALVINGS: u32 = 6;
 /// Most times that the limits of friction are renewed and the increment solved again.
 const RENEWALS: u32 = 3;
 /// Walls under loads may go this many times as far in a sub-increment as those that are moved.
@@ -53,6 +53,42 @@ pub struct Advance {
     pub changes: Changes,
 }
 
+impl Advance {
+    /// One that has not begun.
+    pub(super) fn at(outcome: Outcome) -> Self {
+        Self {
+            outcome,
+            substeps: 0,
+            iterations: 0,
+            descents: 0,
+            wall_force_error: 0.0,
+            crept: 0.0,
+            jumps: Vec::new(),
+            cracks: Vec::new(),
+            changes: Changes::default(),
+        }
+    }
+
+    /// What it and the `next` one came to.
+    pub(super) fn add(&mut self, mut next: Self) {
+        self.outcome = next.outcome;
+        self.substeps += next.substeps;
+        self.iterations += next.iterations;
+        self.descents += next.descents;
+        self.wall_force_error = next.wall_force_error;
+        self.crept += next.crept;
+        self.jumps.append(&mut next.jumps);
+        self.cracks.append(&mut next.cracks);
+        self.count(next.changes);
+    }
+
+    fn count(&mut self, changes: Changes) {
+        self.changes.opened += changes.opened;
+        self.changes.formed += changes.formed;
+        self.changes.excess = self.changes.excess.max(changes.excess);
+    }
+}
+
 /// Moves the walls of `state`, an equilibrium, to where `setpoint` has them and relaxes: those that
 /// stand to their displacement, those under a load until they carry it.
 ///
@@ -67,17 +103,7 @@ pub fn advance(
 ) -> Advance {
     let start = state.clone();
     let mut last = state.clone();
-    let mut so_far = Advance {
-        outcome: here,
-        substeps: 0,
-        iterations: 0,
-        descents: 0,
-        wall_force_error: 0.0,
-        crept: 0.0,
-        jumps: Vec::new(),
-        cracks: Vec::new(),
-        changes: Changes::default(),
-    };
+    let mut so_far = Advance::at(here);
     work.neighbours.refresh(model, &state.position, &state.bounds(model));
     let mut forces = walls::normal_forces(model, state, &work.neighbours);
     let goal = Drive::of(setpoint);
@@ -136,7 +162,7 @@ pub fn advance(
         }
         so_far.substeps += 1;
         let changes = work.commit(model, state);
-        so_far.add(changes);
+        so_far.count(changes);
         let next = walls::normal_forces(model, state, &work.neighbours);
         if crept {
             // What was lost on the way is asked for anew.
@@ -164,14 +190,6 @@ pub fn advance(
     so_far
 }
 
-impl Advance {
-    fn add(&mut self, changes: Changes) {
-        self.changes.opened += changes.opened;
-        self.changes.formed += changes.formed;
-        self.changes.excess = self.changes.excess.max(changes.excess);
-    }
-}
-
 /// Breaks the overloaded bonds of `state`, an equilibrium, one by one, with all walls where they are:
 /// walls that carry a load are slow against cracks. Says whether there was an equilibrium after each.
 fn crack(
@@ -197,7 +215,7 @@ fn crack(
         so_far.cracks.push(crack);
         so_far.jumps.append(&mut work.jumps);
         let changes = work.commit(model, state);
-        so_far.add(changes);
+        so_far.count(changes);
         // What is neither stored nor lost by slip was lost with the cement.
         state.friction.broken += had - outcome.sums.energy - ledger(state);
     }
@@ -332,7 +350,7 @@ fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
 }
 
 /// Largest strain of an axis that is left, against the box at the start, a shift of the whole box counted as a strain too.
-fn remaining_strain(model: &Model, state: &State, target: &[f64; wall::COUNT]) -> f64 {
+pub(super) fn remaining_strain(model: &Model, state: &State, target: &[f64; wall::COUNT]) -> f64 {
     let sides = model.start.sides();
     (0..3)
         .map(|axis| {
@@ -344,7 +362,7 @@ fn remaining_strain(model: &Model, state: &State, target: &[f64; wall::COUNT]) -
 
 /// Largest strain of one sub-increment: a share of the mean overlap strain h/(2R), because
 /// contacts that open and close between two equilibria are what makes them hard to find.
-fn strain_limit(model: &Model, here: &Outcome) -> f64 {
+pub(super) fn strain_limit(model: &Model, here: &Outcome) -> f64 {
     let most = model.solver.max_strain_increment;
     let overlap_strain = here.sums.mean_overlap() / (2.0 * model.mean_radius);
     if overlap_strain == 0.0 {

@@ -280,6 +280,7 @@ mod tests {
             poisson: 0.2,
             density: 2420.0,
             friction: 0.0,
+            hydrate: false,
         };
         let grains = (0..150).map(grain).collect();
         let pack = Pack { bounds, grains, history: None };

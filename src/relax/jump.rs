@@ -4,7 +4,7 @@ use crate::Vec3;
 use crate::heap;
 use crate::model::Model;
 use crate::relax::balance::Balance;
-use crate::state::State;
+use crate::state::{Dissociated, State};
 use crate::wall::{self, Bounds};
 
 /// The unbalanced force has grown when it is this many times its least.
@@ -21,6 +21,8 @@ pub struct Pose {
     pub rotation: Vec<Vec3>,
     /// Inward displacement of the walls since the start \[m\].
     pub displacement: [f64; wall::COUNT],
+    /// What had happened to the grains.
+    pub dissociated: Dissociated,
 }
 
 impl Pose {
@@ -29,6 +31,7 @@ impl Pose {
         self.position.clone_from(&state.position);
         self.rotation.clone_from(&state.rotation);
         self.displacement = state.displacement;
+        self.dissociated = state.dissociated;
     }
 
     /// How far each grain of `state` is from here, but for where the walls took it along \[m\].

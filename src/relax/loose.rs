@@ -214,6 +214,8 @@ impl Local {
         let uw = (n.cross_matrix() * across + e * f.transpose() * sliding) * (sign * lever);
         let w = (plane * across + f * f.transpose() * sliding) * (lever * lever)
             + n * n.transpose() * twist;
+        // The lever of a parallel bond turns with the grain.
+        let w = w - plane * (lever / radius * f64::from(traction.push));
         for (row, column, part) in [(0, 0, u), (0, 3, uw), (3, 0, uw.transpose()), (3, 3, w)] {
             let mut block = self.hessian.fixed_view_mut::<3, 3>(row, column);
             block += part;

@@ -25,6 +25,10 @@ pub struct Cement {
     /// Whether grains are cemented to the walls.
     #[serde(default = "default_walls")]
     pub walls: bool,
+    /// Saturation of the pores with the hydrate that the cement is, which weakens as it dissociates;
+    /// 0 for cement that stays.
+    #[serde(default)]
+    pub saturation: f64,
     /// How the balance of an increment is found.
     #[serde(default)]
     pub solution: Solution,
@@ -126,6 +130,8 @@ impl Cement {
         let share = |x: f64| (0.0..=1.0).contains(&x);
         problems.number(at.key("partial_slip"), self.partial_slip, "0 <= partial_slip <= 1", share);
         problems.number(at.key("bridge"), self.bridge, "0 <= bridge <= 1", share);
+        let part = |x: f64| (0.0..1.0).contains(&x);
+        problems.number(at.key("saturation"), self.saturation, "0 <= saturation < 1", part);
         let law = at.key("law");
         match self.law {
             CementLaw::Fixed | CementLaw::LinearElastic => {}

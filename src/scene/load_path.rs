@@ -8,7 +8,7 @@ use serde::de::{Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::check::{Field, Problems};
-use super::{RigLog, Targets};
+use super::{Dissociate, RigLog, Targets};
 
 /// Most commands that a load path may have, files included.
 pub const MAX_COMMANDS: u64 = 1_000_000;
@@ -46,6 +46,7 @@ fn commands(steps: &[Step]) -> u64 {
         Step::Polyaxial(step) => u64::from(step.increments),
         Step::Unload(step) => u64::from(step.increments),
         Step::Walls(step) => u64::from(step.increments),
+        Step::Dissociate(step) => u64::from(step.increments),
         Step::Repeat(step) => u64::from(step.times).saturating_mul(commands(&step.steps)),
         Step::Commands(_) | Step::RigLog(_) => 0,
     };
@@ -100,6 +101,8 @@ pub enum Step {
     Unload(Unload),
     /// A target of each wall.
     Walls(WallsStep),
+    /// Hydrate dissociates and the pore pressure changes.
+    Dissociate(Dissociate),
     /// Steps several times over.
     Repeat(Repeat),
     /// A command CSV, relative to the scene file.
@@ -151,6 +154,11 @@ impl Step {
             Self::Walls(step) => {
                 let at = at.key("walls");
                 step.targets.check(&at.key("targets"), problems);
+                check_increments(&at, step.increments, problems);
+            }
+            Self::Dissociate(step) => {
+                let at = at.key("dissociate");
+                step.check(&at, problems);
                 check_increments(&at, step.increments, problems);
             }
             Self::Repeat(step) => {

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use super::check::{Field, Problems};
-use super::{Material, prepare};
+use super::{Hydrate, Material, prepare};
 use crate::wall::Bounds;
 
 /// Most grains that a scene may ask for.
@@ -31,6 +31,9 @@ pub struct PackSource {
     /// Keep only the grains that lie wholly inside this box, which becomes the pack's (HZ-15).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cut: Option<Bounds>,
+    /// Which grains are gas hydrate; without it those that a pack that is read says.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hydrate: Option<Hydrate>,
     /// Seed of the per-grain spread of a material given to a pack that is read.
     #[serde(default)]
     pub seed: u64,
@@ -70,6 +73,9 @@ impl PackSource {
         if let Some(name) = &self.material {
             known(&at.key("material"), name, materials, problems);
         }
+        if let Some(hydrate) = &self.hydrate {
+            hydrate.check(&at.key("hydrate"), materials, problems);
+        }
         if let Some(bounds) = &self.bounds {
             problems.bounds(&at.key("box"), bounds);
         }
@@ -93,7 +99,7 @@ impl PackSource {
     }
 }
 
-fn known(
+pub(super) fn known(
     field: &Field,
     name: &str,
     materials: &BTreeMap<String, Material>,

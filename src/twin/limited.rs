@@ -83,7 +83,7 @@ impl Twin {
     }
 
     /// Why the walls may not stay where `setpoint` took them from `before`.
-    fn beyond_limits(&mut self, setpoint: &Setpoint, before: &Stand) -> Option<String> {
+    pub(super) fn beyond_limits(&mut self, setpoint: &Setpoint, before: &Stand) -> Option<String> {
         let now = self.stand();
         self.gate.beyond_limits(setpoint, before, &now)
     }
@@ -96,7 +96,7 @@ impl Twin {
     }
 
     /// The walls now.
-    fn stand(&mut self) -> Stand {
+    pub(super) fn stand(&mut self) -> Stand {
         let Self { model, state, work, .. } = self;
         work.neighbours.refresh(model, &state.position, &state.bounds(model));
         Stand {

@@ -7,10 +7,10 @@ use crate::command::Stamp;
 use crate::measure::contacts::Contacts;
 use crate::measure::coordination::{self, Histograms};
 use crate::measure::{
-    self, fabric, grains, moduli, motion, network, porosity, rearrangement, row_major, stress,
-    walls,
+    self, fabric, grains, hydrate, moduli, motion, network, porosity, rearrangement, row_major,
+    stress, walls,
 };
-use crate::model::{Model, sphere_volume};
+use crate::model::Model;
 use crate::relax::advance::Advance;
 use crate::relax::tangent;
 use crate::report::{
@@ -69,6 +69,10 @@ impl Twin {
             fabric: demand
                 .fabric
                 .then(|| fabric::fabric(model, state, &contacts, self.chain_share)),
+            hydrate: match demand.hydrate {
+                true => hydrate::hydrate(model, state, &contacts.list, loaded.stress.trace() / 3.0),
+                false => None,
+            },
             walls: loaded.walls,
         }
     }
@@ -124,7 +128,8 @@ impl Twin {
             renewal_energy: friction.renewal,
             event_energy: self.event_energy,
             wall_work: state.wall_work,
-            dissipated_energy: state.wall_work - (stored_energy - state.initial_energy),
+            dissipated_energy: state.wall_work + state.dissociated.work
+                - (stored_energy - state.initial_energy),
             contacts: contacts.counted().count() as u32,
             rattlers: numbers.iter().filter(|&&number| number == 0).count() as u32,
             iterations: reached.iterations,
@@ -193,6 +198,6 @@ impl Twin {
 
 /// Mass over the volume of the box \[kg/m³\].
 fn density(model: &Model, bounds: &Bounds) -> f64 {
-    let mass: f64 = model.grains.iter().map(|g| g.density * sphere_volume(g.radius)).sum();
+    let mass: f64 = (0..model.len()).map(|k| model.mass(k)).sum();
     mass / bounds.volume()
 }

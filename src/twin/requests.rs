@@ -48,6 +48,7 @@ impl Twin {
         if let Some(history) = &self.given_history {
             self.state.recall(&self.model, history);
         }
+        self.model.dissociate(&self.state.dissociated);
         self.work = Workspace::new(&self.model);
         self.gate.forget_commands();
         self.increment = 0;

@@ -183,6 +183,7 @@ impl Sink for LiveSink {
             grains: marked || asked(&topics::GRAINS),
             grain_motion: asked(&topics::GRAIN_MOTION),
             fabric: asked(&topics::FABRIC),
+            hydrate: asked(&topics::HYDRATE),
             rearrangements: asked(&topics::REARRANGEMENTS),
             snapshots: asked(&topics::SNAPSHOTS),
         }

@@ -5,6 +5,7 @@ mod energy;
 mod events;
 mod fabric;
 mod friction;
+mod hydrate;
 mod measures;
 mod moduli;
 mod motion;
@@ -66,6 +67,7 @@ pub fn sheets(history: &History, title: &str) -> Vec<(&'static str, Sheet)> {
         ("effort", effort.to_vec()),
         ("forces", vec![forces, contacts::tangential(run)]),
         ("motion", motions),
+        ("hydrate", hydrate::charts(run)),
         (
             "fabric",
             vec![

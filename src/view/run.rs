@@ -2,7 +2,7 @@
 
 use super::motions::Motions;
 use crate::msg::{
-    ContactNetwork, Event, Fabric, GrainMotion, Moduli, PackState, Rearrangement, Tangent,
+    ContactNetwork, Event, Fabric, GrainMotion, Hydrate, Moduli, PackState, Rearrangement, Tangent,
     WallForces,
 };
 
@@ -18,6 +18,8 @@ pub struct Run {
     pub moduli: Vec<Moduli>,
     /// Statistics of the force network.
     pub fabrics: Vec<Fabric>,
+    /// Hydrate and pore pressures.
+    pub hydrates: Vec<Hydrate>,
     /// The moduli of the states themselves.
     pub tangents: Vec<Tangent>,
     /// The forces of the first and of the last contact network, which may be the same.
@@ -63,6 +65,7 @@ pub(super) enum Measure {
     Network(ContactNetwork),
     Motion(Box<GrainMotion>),
     Fabric(Box<Fabric>),
+    Hydrate(Hydrate),
     Event(Event),
     Rearrangement(Rearrangement),
 }
@@ -90,7 +93,8 @@ impl Run {
             .chain(tangents)
             .chain(networks)
             .chain(motions)
-            .chain(fabrics);
+            .chain(fabrics)
+            .chain(self.hydrates.iter().map(|hydrate| hydrate.increment));
         all.fold(None, |range, at| {
             let (first, last) = range.unwrap_or((at, at));
             Some((first.min(at), last.max(at)))
@@ -106,6 +110,7 @@ impl Run {
             .max(self.loads.len())
             .max(self.motions.whole.len())
             .max(self.fabrics.len())
+            .max(self.hydrates.len())
     }
 
     /// Whether `measure` tells of a later run than the measures of its type so far.
@@ -120,6 +125,9 @@ impl Run {
             }
             Measure::Fabric(next) => {
                 (self.fabrics.last().map(|m| m.increment), next.increment, false)
+            }
+            Measure::Hydrate(next) => {
+                (self.hydrates.last().map(|m| m.increment), next.increment, false)
             }
             Measure::Tangent(next) => {
                 (self.tangents.last().map(|m| m.increment), next.increment, false)
@@ -143,6 +151,7 @@ impl Run {
             Measure::Network(network) => self.add_network(network),
             Measure::Motion(motion) => self.motions.add(*motion),
             Measure::Fabric(fabric) => self.fabrics.push(*fabric),
+            Measure::Hydrate(hydrate) => self.hydrates.push(hydrate),
             Measure::Event(event) => self.add_event(event.increment),
             Measure::Rearrangement(event) => self.add_rearrangement(&event),
         }

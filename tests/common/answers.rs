@@ -249,5 +249,6 @@ fn measures(stamp: Stamp, increment: u64, contacts: u32) -> Measures {
         grains: None,
         motion: Some(motion),
         fabric: Some(fabric),
+        hydrate: None,
     }
 }

@@ -29,6 +29,7 @@ pub(crate) fn cement(law: CementLaw) -> Cement {
         partial_slip: 0.1,
         bridge: 0.1,
         walls: true,
+        saturation: 0.0,
         solution: Solution::Nonlinear,
         strength: None,
     }

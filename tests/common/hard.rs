@@ -6,7 +6,7 @@ use graintwin::pack::{Grain, Kept, Pack};
 use graintwin::report::Demand;
 use graintwin::scene::{
     Cement, CementLaw, CementStrength, Coulomb, Exponential, Friction, Generate, Law, Normal,
-    Radius, Scene, Solver, Update, Walls,
+    Radius, Scene, Solution, Solver, Update, Walls,
 };
 use graintwin::wall::{self, Bounds};
 
@@ -162,6 +162,8 @@ pub(crate) fn cemented(grains: usize, friction: f64, strength: f64, parts: u32) 
         partial_slip: 0.1,
         bridge: 0.1,
         walls: true,
+        saturation: 0.0,
+        solution: Solution::Nonlinear,
         strength: Some(CementStrength { tension: strength, shear: strength }),
     });
     hard

@@ -147,6 +147,7 @@ impl MadeUpTwin {
             grains: None,
             motion: demand.grain_motion.then(|| n.motion(contacts)),
             fabric: demand.fabric.then(|| made_up_fabric::fabric(&mut || n.next())),
+            hydrate: None,
         }
     }
 }

@@ -35,7 +35,7 @@ pub(crate) fn scene_to(tolerance: f64) -> Scene {
 /// A glass bead.
 pub(crate) fn bead(position: [f64; 3], radius: f64) -> Grain {
     let Material { young, poisson, density, .. } = GLASS;
-    Grain { position, radius, young, poisson, density, friction: 0.0 }
+    Grain { position, radius, young, poisson, density, friction: 0.0, hydrate: false }
 }
 
 /// A box around the origin.
@@ -141,7 +141,8 @@ pub(crate) fn close(what: &str, got: f64, want: f64, tolerance: f64) {
 pub(crate) fn bits(pack: &Pack) -> Vec<u64> {
     let grain = |g: &Grain| {
         let [x, y, z] = g.position;
-        [x, y, z, g.radius, g.young, g.poisson, g.density, g.friction].map(f64::to_bits)
+        let numbers = [x, y, z, g.radius, g.young, g.poisson, g.density, g.friction];
+        numbers.map(f64::to_bits).into_iter().chain([u64::from(g.hydrate)])
     };
     let walls = pack.bounds.min.iter().chain(&pack.bounds.max).map(|wall| wall.to_bits());
     walls.chain(pack.grains.iter().flat_map(grain)).collect()

@@ -110,6 +110,7 @@ fn expected_json(served: &[Arc<Served>]) -> String {
     topic("contact_network", json(all().filter_map(convert::whole_network)));
     topic("grain_motion", json(all().filter_map(convert::whole_motion)));
     topic("fabric", json(all().filter_map(convert::fabric)));
+    topic("hydrate", json(all().filter_map(convert::hydrate)));
     topic("events", json(all().flat_map(convert::events)));
     topic("rearrangements", json(all().flat_map(msg::rearrangement::whole)));
     serde_json::to_string(&topics).unwrap()

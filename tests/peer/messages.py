@@ -271,6 +271,30 @@ class WallTargets(IdlStruct, typename="graintwin_msgs.msg.dds_.WallTargets_"):
 
 
 @dataclass
+class Dissociation(IdlStruct, typename="graintwin_msgs.msg.dds_.Dissociation_"):
+    header: Header
+    session: str
+    sequence: uint64
+    mode: uint8
+    saturation_loss: float64
+    pore_pressure: float64
+    biot: float64
+
+
+@dataclass
+class Hydrate(IdlStruct, typename="graintwin_msgs.msg.dds_.Hydrate_"):
+    header: Header
+    increment: uint64
+    saturation: float64
+    present_saturation: float64
+    pore_pressure: float64
+    effective_stress: float64
+    total_stress: float64
+    porosity: float64
+    pore_fraction: float64
+
+
+@dataclass
 class Discrepancy(IdlStruct, typename="graintwin_msgs.msg.dds_.Discrepancy_"):
     header: Header
     increment: uint64
@@ -449,6 +473,7 @@ OUT = {
     "grain_motion": Out(GrainMotion, 2000),
     "events": Out(Event, 20000),
     "fabric": Out(Fabric, 20000),
+    "hydrate": Out(Hydrate, 20000),
     "rearrangements": Out(Rearrangement, 20000),
     "report": Out(Report, 20000),
 }

@@ -1,6 +1,6 @@
 //! The tests on the sample of one seed.
 
-use graintwin::scene::{Cement, CementLaw, Exponential, Parallel, Power, Update};
+use graintwin::scene::{Cement, CementLaw, Exponential, Parallel, Power, Solution, Update};
 
 use super::course::{Course, Interval};
 use super::sample::compacted;
@@ -38,6 +38,8 @@ const CEMENT: Cement = Cement {
     partial_slip: 0.1,
     bridge: 0.1,
     walls: true,
+    saturation: 0.0,
+    solution: Solution::Nonlinear,
     strength: None,
 };
 

@@ -28,6 +28,10 @@ pub(super) fn describe(file: &Path) -> Result<String, Failure> {
         Columns::Material => "column `material`, names of the scene",
         Columns::Constants => "columns `young,poisson,density,friction`",
     };
+    let hydrate = match pack.rows.iter().filter(|row| row.hydrate).count() {
+        0 => String::new(),
+        grains => format!("hydrate         {grains} grains\n"),
+    };
     let history = specimen::history(pack.read_history()?.as_ref());
     let radii = pack.rows.iter().map(|row| row.radius);
     let (least, most) = radii.fold((f64::INFINITY, 0.0_f64), |(least, most), radius| {
@@ -35,7 +39,7 @@ pub(super) fn describe(file: &Path) -> Result<String, Failure> {
     });
     Ok(format!(
         "pack            {}: right\ngrains          {}\nradii           {} to {} mm\n\
-         material        {made_of}\nbox             {place}\n{history}",
+         material        {made_of}\nbox             {place}\n{hydrate}{history}",
         file.display(),
         pack.rows.len(),
         significant(least * 1e3, 4),

@@ -17,9 +17,16 @@ pub(super) fn describe(loaded: &Loaded) -> Result<String, Failure> {
         Some(spec) => {
             let stress = significant(spec.confining_stress * 1e-6, 4);
             let (grains, material) = (spec.grains, &spec.material);
+            let hydrate = scene.pack.hydrate.as_ref().map_or_else(String::new, |hydrate| {
+                let saturation = significant(hydrate.saturation, 4);
+                format!(
+                    "hydrate         the smallest of them, up to a saturation of {saturation}\n"
+                )
+            });
             (
                 format!(
-                    "pack            {grains} grains of {material} to be made at {stress} MPa\n"
+                    "pack            {grains} grains of {material} to be made at {stress} MPa\n\
+                     {hydrate}"
                 ),
                 unit,
             )

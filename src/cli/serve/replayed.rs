@@ -70,6 +70,7 @@ fn pack() -> Pack {
         poisson,
         density,
         friction,
+        hydrate: false,
     };
     let half = [0.9995e-3, 0.9995e-3, 2.998e-3];
     let bounds = Bounds { min: half.map(|half| -half), max: half };

@@ -40,7 +40,15 @@ impl Sink for Kept<'_> {
 fn twin() -> Twin {
     let scene = scene::parse("pack: {file: none.csv}", Path::new("scene.yaml")).unwrap();
     let (young, poisson, density) = (70e9, 0.2, 2.5e3);
-    let grain = Grain { position: [0.0; 3], radius: 1e-3, young, poisson, density, friction: 0.0 };
+    let grain = Grain {
+        position: [0.0; 3],
+        radius: 1e-3,
+        young,
+        poisson,
+        density,
+        friction: 0.0,
+        hydrate: false,
+    };
     let bounds = Bounds { min: [-0.999e-3; 3], max: [0.999e-3; 3] };
     Twin::new(&scene, &Pack { bounds, grains: vec![grain], history: None }, 1).unwrap()
 }

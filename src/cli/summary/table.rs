@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use graintwin::report::{Moduli, Tangent};
+use graintwin::report::{Hydrate, Moduli, Tangent};
 use graintwin::wall;
 
 use super::{Moment, Summary};
@@ -154,6 +154,17 @@ fn rows(start: &Moment, end: &Moment, frictional: bool) -> Vec<Row> {
     add("Poisson's ratio", "", |moduli| moduli.poisson);
     add("Lamé's lambda", "GPa", |moduli| moduli.lame * 1e-9);
     add("P-wave modulus", "GPa", |moduli| moduli.p_wave * 1e-9);
+    if end.hydrate.is_some() {
+        let mut add = |name, unit, of: fn(&Hydrate) -> f64| {
+            let known = |moment: &Moment| moment.hydrate.as_ref().map(of);
+            rows.push((name, unit, known(start), known(end)));
+        };
+        add("hydrate saturation", "", |hydrate| hydrate.saturation);
+        add("pore pressure", "MPa", |hydrate| hydrate.pore_pressure * 1e-6);
+        add("effective stress", "MPa", |hydrate| hydrate.effective_stress * 1e-6);
+        add("total stress", "MPa", |hydrate| hydrate.total_stress * 1e-6);
+        add("pores and hydrate", "", |hydrate| hydrate.pore_fraction);
+    }
     if end.tangent.is_none() {
         return rows;
     }

@@ -9,6 +9,10 @@ pub(super) fn malformed(command: &Command) -> Option<String> {
     if let Mode::Unknown(mode) = command.mode {
         return Some(format!("mode {mode}: 0 (absolute) and 1 (increment) are allowed"));
     }
+    if let Ask::Dissociation(asked) = &command.ask {
+        let (name, value) = asked.named().into_iter().find(|(_, value)| !value.is_finite())?;
+        return Some(format!("{name} is {value}: a finite number is needed"));
+    }
     let values = command.ask.numbers();
     let wall = values.iter().position(|value| !value.is_finite())?;
     let (name, value) = (wall::NAMES[wall], values[wall]);
@@ -16,7 +20,7 @@ pub(super) fn malformed(command: &Command) -> Option<String> {
         Ask::Displacement(_) => {
             format!("displacement of {name} is {value}: a finite number of metres is needed")
         }
-        Ask::Targets(_) => format!("value of {name} is {value}: a finite number is needed"),
+        _ => format!("value of {name} is {value}: a finite number is needed"),
     })
 }
 

@@ -24,6 +24,7 @@ fn served(disposition: Disposition, iterations: Option<u32>) -> Served {
         grains: None,
         motion: None,
         fabric: None,
+        hydrate: None,
         rearrangements: Vec::new(),
         snapshots: Vec::new(),
     });

@@ -3,17 +3,17 @@
 use super::items::{Item, Items};
 use super::{Bag, Channel, Message, ReadError};
 use crate::command::Command;
-use crate::msg::{BoundaryCommand, Described, MessageType, WallTargets, cdr};
+use crate::msg::{BoundaryCommand, Described, Dissociation, MessageType, WallTargets, cdr};
 
 /// Types that are commands.
-const KINDS: [&MessageType; 2] = [BoundaryCommand::TYPE, WallTargets::TYPE];
+const KINDS: [&MessageType; 3] = [BoundaryCommand::TYPE, WallTargets::TYPE, Dissociation::TYPE];
 
 /// The commands of a bag; see [`Bag::commands`].
 pub struct Commands<'a> {
     bag: &'a Bag,
     items: Items,
-    /// Topic of the boundary commands and of the wall targets.
-    topics: [Option<String>; 2],
+    /// Topic of each of [`KINDS`].
+    topics: [Option<String>; 3],
     others: Vec<String>,
     commands: u64,
     ended: bool,
@@ -22,7 +22,14 @@ pub struct Commands<'a> {
 impl<'a> Commands<'a> {
     pub(super) fn new(bag: &'a Bag) -> Self {
         let items = bag.items();
-        Self { bag, items, topics: [None, None], others: Vec::new(), commands: 0, ended: false }
+        Self {
+            bag,
+            items,
+            topics: [None, None, None],
+            others: Vec::new(),
+            commands: 0,
+            ended: false,
+        }
     }
 
     /// Notes a topic, and refuses commands that would not be understood.
@@ -52,6 +59,7 @@ impl<'a> Commands<'a> {
         self.commands += 1;
         let command = match kind {
             0 => cdr::decode::<BoundaryCommand>(&message.data).map(Command::from),
+            2 => cdr::decode::<Dissociation>(&message.data).map(Command::from),
             _ => cdr::decode::<WallTargets>(&message.data).map(Command::from),
         };
         Some(command.map_err(|error| ReadError::Command {

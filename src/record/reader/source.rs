@@ -8,7 +8,7 @@ use super::items::Item;
 use super::{Bag, Channel, ReadError};
 use crate::command::map::{JointStateMap, TrajectoryMap};
 use crate::msg::{
-    BoundaryCommand, Described, JointState, JointTrajectory, MessageType, WallTargets,
+    BoundaryCommand, Described, Dissociation, JointState, JointTrajectory, MessageType, WallTargets,
 };
 use crate::scene;
 
@@ -44,6 +44,8 @@ impl<'a> Source<'a> {
             Kind::Read(Reader::Boundary)
         } else if is(WallTargets::TYPE) {
             Kind::Read(Reader::Targets)
+        } else if is(Dissociation::TYPE) {
+            Kind::Read(Reader::Dissociation)
         } else if is(JointState::TYPE) {
             match self.joint_states {
                 Some(map) => Kind::Read(Reader::States(JointStateMap::new(map))),
@@ -72,6 +74,7 @@ enum Kind {
 pub(super) enum Reader {
     Boundary,
     Targets,
+    Dissociation,
     States(JointStateMap),
     Trajectory(TrajectoryMap),
 }
@@ -81,6 +84,7 @@ impl Reader {
         match self {
             Self::Boundary => BoundaryCommand::TYPE,
             Self::Targets => WallTargets::TYPE,
+            Self::Dissociation => Dissociation::TYPE,
             Self::States(_) => JointState::TYPE,
             Self::Trajectory(_) => JointTrajectory::TYPE,
         }
@@ -88,7 +92,7 @@ impl Reader {
 
     /// Whether its messages are commands, and not something that is made into such.
     fn is_proper(&self) -> bool {
-        matches!(self, Self::Boundary | Self::Targets)
+        matches!(self, Self::Boundary | Self::Targets | Self::Dissociation)
     }
 }
 
@@ -187,7 +191,7 @@ impl Scan {
             }
         }
         // One topic of each type.
-        for kind in [BoundaryCommand::TYPE, WallTargets::TYPE] {
+        for kind in [BoundaryCommand::TYPE, WallTargets::TYPE, Dissociation::TYPE] {
             let mut names = proper.iter().filter(|(_, reader)| reader.kind() == kind);
             if let (Some((first, _)), Some((second, _))) = (names.next(), names.next()) {
                 let topics = [first, second].map(|name| (*name).clone());

@@ -178,7 +178,7 @@ impl Compared {
 }
 
 fn is_command(topic: &Topic) -> bool {
-    [&topics::BOUNDARY_COMMAND, &topics::WALL_TARGETS].contains(&topic)
+    topics::commands().any(|command| command == topic)
 }
 
 /// Whether a recording may have messages on `topic` for some answers only.
@@ -190,6 +190,7 @@ fn is_on_demand(topic: &Topic) -> bool {
         &topics::CONTACT_NETWORK,
         &topics::GRAIN_MOTION,
         &topics::FABRIC,
+        &topics::HYDRATE,
         &topics::REARRANGEMENTS,
         &topics::SNAPSHOTS,
     ]

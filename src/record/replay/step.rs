@@ -70,6 +70,7 @@ impl Step {
             grains: has(&topics::GRAINS) || marked,
             grain_motion: has(&topics::GRAIN_MOTION),
             fabric: has(&topics::FABRIC),
+            hydrate: has(&topics::HYDRATE),
             rearrangements: has(&topics::REARRANGEMENTS),
             snapshots: has(&topics::SNAPSHOTS),
         }

@@ -9,7 +9,7 @@ use crate::command::circumstance::{Circumstance, Happened};
 use crate::command::request::Request;
 use crate::command::{Command, Disposition};
 use crate::msg::topics;
-use crate::msg::{self, BoundaryCommand, Described, WallTargets, cdr};
+use crate::msg::{self, BoundaryCommand, Described, Dissociation, WallTargets, cdr};
 use crate::record::reader::{Bag, Item, Items, Message};
 use crate::record::role::Role;
 use crate::record::{Closing, END};
@@ -224,9 +224,13 @@ impl Iterator for Tape {
 }
 
 fn command(message: &Message) -> Result<Command, String> {
-    let command = match message.channel.has_type(BoundaryCommand::TYPE) {
-        true => cdr::decode::<BoundaryCommand>(&message.data).map(Command::from),
-        false => cdr::decode::<WallTargets>(&message.data).map(Command::from),
+    let is = |kind| message.channel.has_type(kind);
+    let command = if is(BoundaryCommand::TYPE) {
+        cdr::decode::<BoundaryCommand>(&message.data).map(Command::from)
+    } else if is(Dissociation::TYPE) {
+        cdr::decode::<Dissociation>(&message.data).map(Command::from)
+    } else {
+        cdr::decode::<WallTargets>(&message.data).map(Command::from)
     };
     command.map_err(|error| error.to_string())
 }

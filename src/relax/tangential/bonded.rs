@@ -258,6 +258,7 @@ impl Reference {
             arm: arm.map(|arm| arm as f32),
             torsion: torsion.stiffness as f32,
             axial: k as f32,
+            push: force.dot(&motion.normal) as f32,
             ..Traction::default()
         };
         (traction, pull)

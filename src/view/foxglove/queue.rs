@@ -151,6 +151,7 @@ fn light(served: &Served) -> Served {
         // Events are rare: what is told of them is kept.
         let events = measures.events.clone();
         let fabric = measures.fabric.clone();
+        let hydrate = measures.hydrate;
         let rearrangements = measures.rearrangements.clone();
         let snapshots = measures.snapshots.clone();
         let (network, grains, motion) = (None, None, None);
@@ -169,6 +170,7 @@ fn light(served: &Served) -> Served {
             grains,
             motion,
             fabric,
+            hydrate,
         }
     });
     let report =
@@ -197,7 +199,15 @@ mod tests {
     fn answers(count: u64) -> Vec<Arc<Served>> {
         let scene = crate::scene::parse("pack: {file: none.csv}", "s.yaml".as_ref()).unwrap();
         let (young, poisson, density, friction) = (70e9, 0.2, 2.5e3, 0.0);
-        let grain = Grain { position: [0.0; 3], radius: 1e-3, young, poisson, density, friction };
+        let grain = Grain {
+            position: [0.0; 3],
+            radius: 1e-3,
+            young,
+            poisson,
+            density,
+            friction,
+            hydrate: false,
+        };
         let bounds = Bounds { min: [-1e-3; 3], max: [1e-3; 3] };
         let pack = Pack { bounds, grains: vec![grain], history: None };
         let mut twin = Twin::new(&scene, &pack, 1).unwrap();
