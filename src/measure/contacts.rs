@@ -123,7 +123,11 @@ impl Contacts {
     /// Those that count: at least [`FAINT`] of the mean force.
     pub fn counted(&self) -> impl Iterator<Item = &Contact> {
         let least = FAINT * self.mean_force;
-        self.list.iter().filter(move |c| c.force.abs() >= least)
+        let load = |c: &Contact| match c.cement {
+            Some(Condition::Intact) => c.force.abs().max(c.shear.norm()),
+            _ => c.force.abs(),
+        };
+        self.list.iter().filter(move |c| load(c) >= least)
     }
 }
 

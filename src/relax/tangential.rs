@@ -172,8 +172,7 @@ impl Reference {
             for (held, pull) in contacts.iter().zip(&*pulls) {
                 *shear_potential += pull.potential;
                 if held.is_bonded() {
-                    let present = held.overlap_at(&pose);
-                    self.count(held, pull, present, sums, cement_on_walls);
+                    self.count(held, pull, &pose, sums, cement_on_walls);
                 }
                 let i = held.first as usize;
                 gradient[i] -= pull.force;

@@ -45,13 +45,13 @@ impl Reference {
         // Smooth grains need not turn before cement is deposited between them.
         self.smooth = friction.is_smooth();
         self.active = !self.smooth || !state.bonds.is_empty();
+        self.contacts.clear();
+        self.layers.clear();
+        self.bonds.clear();
         if !self.active {
             return;
         }
         self.rotation.clone_from(&state.rotation);
-        self.contacts.clear();
-        self.layers.clear();
-        self.bonds.clear();
         let bounds = state.bounds(model);
         let memory = state.memory.contacts.iter().peekable();
         let bonds = state.bonds.iter().enumerate().peekable();

@@ -7,6 +7,7 @@
 use nalgebra::Rotation3;
 
 use crate::Vec3;
+use crate::contact::neighbours::wall_gap;
 use crate::contact::{Other, coulomb, mindlin};
 use crate::heap;
 use crate::model::Model;
@@ -161,24 +162,36 @@ impl Reference {
         self.bonds.get(held.bond as usize)
     }
 
-    /// Counts the bond of `held`, whose overlap is `present`, in `sums` and its force on a wall in
-    /// `walls`.
+    /// Counts the bond of `held` at `pose` in `sums` and its force on a wall in `walls`.
     pub(super) fn count(
         &self,
         held: &Held,
         pull: &Pull,
-        present: f64,
+        pose: &Pose<'_>,
         sums: &mut Sums,
         walls: &mut [f64; wall::COUNT],
     ) {
         let Some(bonded) = self.bond_of(held) else { return };
-        if let Other::Wall(w) = held.second {
-            let w = usize::from(w);
-            walls[w] += pull.force[wall::axis(w)] * wall::inward(w);
+        let at = pose.position[held.first as usize];
+        match held.second {
+            Other::Grain(j) => {
+                let branch = at - pose.position[j as usize];
+                for axis in 0..3 {
+                    sums.virial[axis] += pull.force[axis] * branch[axis];
+                }
+            }
+            Other::Wall(w) => {
+                let w = usize::from(w);
+                let axis = wall::axis(w);
+                let force = pull.force[axis] * wall::inward(w);
+                walls[w] += force;
+                sums.virial[axis] += force * wall_gap(&at, w, pose.bounds);
+            }
         }
         sums.force += pull.cement;
         // Where the grains press besides, that is the same contact.
-        if matches!(bonded.law, BondLaw::Effective(_)) || present <= 0.0 {
+        let alone = matches!(bonded.law, BondLaw::Effective(_));
+        if alone || held.overlap_at(pose) <= 0.0 {
             sums.overlap += bonded.overlap;
             sums.contacts += 1;
         }
