@@ -323,5 +323,7 @@ fn demand(settings: &scene::Record) -> Demand {
     demand.fabric = settings.takes(&topics::FABRIC);
     demand.rearrangements = settings.takes(&topics::REARRANGEMENTS);
     demand.snapshots = settings.takes(&topics::SNAPSHOTS);
+    demand.bonds = settings.takes(&topics::BONDS);
+    demand.cracks = settings.takes(&topics::CRACKS);
     demand
 }

@@ -1,5 +1,7 @@
 //! What one increment says: the answers of the twin, in SI units, compression positive.
 
+mod cement;
+
 mod motion;
 
 mod fabric;
@@ -12,6 +14,7 @@ use serde::Serialize;
 
 use crate::command::{Disposition, Stamp};
 use crate::wall;
+pub use cement::{BondCondition, Bonds, Crack, Cracks};
 pub use motion::{Band, GrainMotion, Localisation};
 
 pub use fabric::{AngularForm, ByAngle, Chains, Directions, Fabric};
@@ -40,6 +43,10 @@ pub struct Demand {
     pub rearrangements: bool,
     /// All grains before and after each event: [`Snapshot`].
     pub snapshots: bool,
+    /// What cement carries: [`Bonds`]; nothing without cement.
+    pub bonds: bool,
+    /// Which bonds broke: [`Cracks`]; nothing without cement.
+    pub cracks: bool,
 }
 
 impl Demand {
@@ -54,6 +61,8 @@ impl Demand {
         fabric: true,
         rearrangements: true,
         snapshots: true,
+        bonds: true,
+        cracks: true,
     };
 
     /// Nothing but what every increment tells.
@@ -67,6 +76,8 @@ impl Demand {
         fabric: false,
         rearrangements: false,
         snapshots: false,
+        bonds: false,
+        cracks: false,
     };
 
     /// What this or the `other` wants.
@@ -82,6 +93,8 @@ impl Demand {
             fabric: self.fabric || other.fabric,
             rearrangements: self.rearrangements || other.rearrangements,
             snapshots: self.snapshots || other.snapshots,
+            bonds: self.bonds || other.bonds,
+            cracks: self.cracks || other.cracks,
         }
     }
 }
@@ -119,7 +132,7 @@ pub struct Measures {
     pub events: Vec<Event>,
     /// The same events in full, where [`Demand::rearrangements`] was set.
     pub rearrangements: Vec<Rearrangement>,
-    /// Two for each event, before and after, where [`Demand::snapshots`] was set.
+    /// Two for each stress drop among them, before and after, where [`Demand::snapshots`] was set.
     pub snapshots: Vec<Snapshot>,
     /// Forces on the walls.
     pub walls: WallForces,
@@ -141,6 +154,10 @@ pub struct Measures {
     pub motion: Option<GrainMotion>,
     /// Present when [`Demand::fabric`] was set.
     pub fabric: Option<Fabric>,
+    /// Present when [`Demand::bonds`] was set and the scene has cement.
+    pub bonds: Option<Bonds>,
+    /// Present when [`Demand::cracks`] was set and the scene has cement.
+    pub cracks: Option<Cracks>,
 }
 
 /// What kind of event, as `graintwin_msgs/Event` numbers it.
@@ -150,6 +167,8 @@ pub struct Measures {
 pub enum EventKind {
     /// The pack lost its stability and came to another equilibrium while the walls stood still.
     StressDrop = 0,
+    /// Cement broke.
+    ContactBreak = 1,
 }
 
 /// A sudden change inside the pack.
@@ -158,16 +177,17 @@ pub struct Event {
     /// What happened.
     pub kind: EventKind,
     /// Confining stress of the contacts where stability was lost \[Pa\]: a third of the trace of
-    /// the Love-Weber stress, at the walls of `stress_after`.
+    /// the Love-Weber stress, at the walls of `stress_after`. Of a crack that of the equilibrium in
+    /// which it broke.
     pub stress_before: f64,
     /// The same at the equilibrium that followed \[Pa\].
     pub stress_after: f64,
     /// Energy that the pack lost between the two, beyond what slip took \[J\].
     pub energy_released: f64,
     /// Grains that carry load and went further than the mean overlap, in the order of the pack
-    /// file.
+    /// file. Of a crack its two bodies, a wall as the contact network names it.
     pub grains: Vec<u32>,
-    /// How far each of them went from where stability was lost \[m\].
+    /// How far each of them went from where stability was lost, or the bond broke \[m\].
     pub displacement: Vec<f64>,
 }
 
@@ -232,11 +252,13 @@ pub struct PackState {
     /// Energy lost since the start where the law forgets \[J\]: contacts that opened under shear,
     /// stiffnesses renewed under load (a gain when negative); part of `dissipated_energy`.
     pub renewal_energy: f64,
-    /// Energy that the events since the start released \[J\]; part of `dissipated_energy`.
+    /// Energy that the stress drops since the start released \[J\]; part of `dissipated_energy`.
     pub event_energy: f64,
+    /// Energy lost since the start with bonds that broke \[J\]; part of `dissipated_energy`.
+    pub broken_energy: f64,
     /// Work of the walls since the start, trapezoidal over the equilibria \[J\].
     pub wall_work: f64,
-    /// Energy lost in events and sliding since the start \[J\].
+    /// Energy lost in events, sliding and breaking since the start \[J\].
     pub dissipated_energy: f64,
     /// Load-carrying contacts.
     pub contacts: u32,

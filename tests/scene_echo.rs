@@ -312,10 +312,11 @@ fn service() -> impl Strategy<Value = (Outputs, Node, Record)> {
         ModuliKind::Both,
         ModuliKind::None,
     ]);
-    let measures = (when.clone(), when.clone(), when.clone(), when.clone());
+    let cement = (when.clone(), when.clone());
+    let measures = (when.clone(), when.clone(), when.clone(), when.clone(), cement);
     let outputs = (when.clone(), when, moduli, measures, 1e-9..1.0);
     let outputs = outputs.prop_map(|(contact_network, markers, moduli, measures, chain_share)| {
-        let (grain_motion, fabric, rearrangements, snapshots) = measures;
+        let (grain_motion, fabric, rearrangements, snapshots, (bonds, cracks)) = measures;
         Outputs {
             contact_network,
             markers,
@@ -325,6 +326,8 @@ fn service() -> impl Strategy<Value = (Outputs, Node, Record)> {
             chain_share,
             rearrangements,
             snapshots,
+            bonds,
+            cracks,
         }
     });
     let kind = prop::sample::select(vec![Compression::Zstd, Compression::Lz4, Compression::None]);

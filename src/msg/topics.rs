@@ -4,9 +4,9 @@ use super::rcl::{Log, ParameterEvent};
 use super::rearrangement::{Rearrangement, Snapshot};
 use super::schema::{Described, MessageType};
 use super::{
-    BoundaryCommand, Circumstance, ContactNetwork, DiagnosticArray, Discrepancy, Event, Fabric,
-    GrainMotion, JointState, JointTrajectory, MarkerArray, Moduli, PackState, PointCloud2, Report,
-    TFMessage, Tangent, WallForces, WallTargets, WrenchStamped,
+    Bonds, BoundaryCommand, Circumstance, ContactNetwork, Cracks, DiagnosticArray, Discrepancy,
+    Event, Fabric, GrainMotion, JointState, JointTrajectory, MarkerArray, Moduli, PackState,
+    PointCloud2, Report, TFMessage, Tangent, WallForces, WallTargets, WrenchStamped,
 };
 use crate::wall;
 
@@ -145,6 +145,11 @@ pub static MARKERS: Topic = Topic::new("markers", MarkerArray::TYPE, 2);
 /// Out: [`Fabric`].
 pub static FABRIC: Topic = Topic::new("fabric", Fabric::TYPE, 64);
 
+/// Out: [`Bonds`], where there is cement.
+pub static BONDS: Topic = Topic::new("bonds", Bonds::TYPE, 64);
+/// Out: [`Cracks`], where there is cement.
+pub static CRACKS: Topic = Topic::new("cracks", Cracks::TYPE, 64);
+
 /// Out: [`Event`], one message an event.
 pub static EVENTS: Topic = Topic::new("events", Event::TYPE, 64);
 /// Out: [`Rearrangement`], one message an event, or its chunks.
@@ -184,6 +189,8 @@ pub fn measures() -> impl Iterator<Item = &'static Topic> {
         &CONTACT_NETWORK,
         &GRAIN_MOTION,
         &FABRIC,
+        &BONDS,
+        &CRACKS,
         &EVENTS,
         &REARRANGEMENTS,
         &SNAPSHOTS,

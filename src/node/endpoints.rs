@@ -12,8 +12,8 @@ use super::names::Identity;
 use super::services::Services;
 use super::{NodeError, clock, mapping};
 use crate::msg::{
-    BoundaryCommand, Clock, ContactNetwork, DiagnosticArray, Discrepancy, Event, Fabric,
-    GrainMotion, JointState, JointTrajectory, MarkerArray, Moduli, PackState, PointCloud2,
+    Bonds, BoundaryCommand, Clock, ContactNetwork, Cracks, DiagnosticArray, Discrepancy, Event,
+    Fabric, GrainMotion, JointState, JointTrajectory, MarkerArray, Moduli, PackState, PointCloud2,
     Rearrangement, Report, TFMessage, Tangent, Topic, WallForces, WallTargets, WrenchStamped,
     topics,
 };
@@ -38,6 +38,8 @@ pub(super) struct Endpoints {
     pub markers: Out<MarkerArray>,
     pub events: Out<Event>,
     pub fabric: Out<Fabric>,
+    pub bonds: Out<Bonds>,
+    pub cracks: Out<Cracks>,
     pub rearrangements: Out<Rearrangement>,
     pub report: Out<Report>,
     /// When load cells are mapped.
@@ -131,6 +133,8 @@ impl Endpoints {
             markers: Out::new(&mut node, identity, &topics::MARKERS)?,
             events: Out::new(&mut node, identity, &topics::EVENTS)?,
             fabric: Out::new(&mut node, identity, &topics::FABRIC)?,
+            bonds: Out::new(&mut node, identity, &topics::BONDS)?,
+            cracks: Out::new(&mut node, identity, &topics::CRACKS)?,
             rearrangements: Out::new(&mut node, identity, &topics::REARRANGEMENTS)?,
             report: Out::new(&mut node, identity, &topics::REPORT)?,
             discrepancy: cells
@@ -163,6 +167,8 @@ impl Endpoints {
             self.markers.listeners(self),
             self.events.listeners(self),
             self.fabric.listeners(self),
+            self.bonds.listeners(self),
+            self.cracks.listeners(self),
             self.rearrangements.listeners(self),
             self.report.listeners(self),
         ]);

@@ -15,9 +15,10 @@ use super::discrepancy::Comparison;
 use super::endpoints::Endpoints;
 use super::frames::{Frame, Frames};
 use super::pictures::{Easel, Picture};
+use crate::msg::convert::LIVE_BONDS;
 use crate::msg::rearrangement::{self, LIVE_CONTACTS, LIVE_GRAINS, Rearrangement};
 use crate::msg::{
-    Discrepancy, Event, Fabric, JointState, Moduli, PackState, Report, TFMessage, Tangent,
+    Cracks, Discrepancy, Event, Fabric, JointState, Moduli, PackState, Report, TFMessage, Tangent,
     WallForces, WrenchStamped, convert,
 };
 use crate::report::Demand;
@@ -55,6 +56,7 @@ pub(super) enum Outgoing {
     Picture(Picture, Arc<Served>),
     Event(Event),
     Fabric(Box<Fabric>),
+    Cracks(Box<Cracks>),
     Rearrangement(Rearrangement),
     Report(Report),
     Discrepancy(Discrepancy),
@@ -103,6 +105,8 @@ impl NodeSink {
             messages.extend(convert::moduli(measures).map(Outgoing::Moduli));
             messages.extend(convert::fabric(measures).map(|one| Outgoing::Fabric(Box::new(one))));
             messages.extend(convert::tangent(measures).map(Box::new).map(Outgoing::Tangent));
+            let cracks = convert::crack_chunks(measures, LIVE_BONDS);
+            messages.extend(cracks.map(Box::new).map(Outgoing::Cracks));
             messages.extend(convert::events(measures).map(Outgoing::Event));
             let chunks = rearrangement::chunks(measures, LIVE_GRAINS, LIVE_CONTACTS);
             messages.extend(chunks.map(Outgoing::Rearrangement));
@@ -133,6 +137,7 @@ impl Sink for NodeSink {
         };
         let Outputs { contact_network, grain_motion, markers, fabric, rearrangements, .. } =
             self.outputs;
+        let Outputs { bonds, cracks, .. } = self.outputs;
         // The markers show the state and the contacts too.
         let marked =
             self.draws && when(markers, |endpoints| endpoints.markers.has_listener(endpoints));
@@ -155,6 +160,8 @@ impl Sink for NodeSink {
             }),
             // Recorded only.
             snapshots: false,
+            bonds: when(bonds, |endpoints| endpoints.bonds.has_listener(endpoints)),
+            cracks: when(cracks, |endpoints| endpoints.cracks.has_listener(endpoints)),
         }
     }
 
@@ -251,6 +258,7 @@ impl Outbox {
             Outgoing::Picture(Picture::Markers, _) => endpoints.markers.has_listener(endpoints),
             Outgoing::Event(_) => endpoints.events.has_listener(endpoints),
             Outgoing::Fabric(_) => endpoints.fabric.has_listener(endpoints),
+            Outgoing::Cracks(_) => endpoints.cracks.has_listener(endpoints),
             Outgoing::Rearrangement(_) => endpoints.rearrangements.has_listener(endpoints),
             Outgoing::Report(_) => endpoints.report.has_listener(endpoints),
             Outgoing::Discrepancy(_) => {
@@ -272,6 +280,7 @@ impl Outbox {
             Outgoing::Tangent(message) => endpoints.tangent.publish(*message).await,
             Outgoing::Event(message) => endpoints.events.publish(message).await,
             Outgoing::Fabric(message) => endpoints.fabric.publish(*message).await,
+            Outgoing::Cracks(message) => endpoints.cracks.publish(*message).await,
             Outgoing::Rearrangement(message) => endpoints.rearrangements.publish(message).await,
             Outgoing::Report(message) => endpoints.report.publish(message).await,
             Outgoing::Discrepancy(message) => match &endpoints.discrepancy {

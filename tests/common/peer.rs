@@ -110,6 +110,8 @@ fn expected_json(served: &[Arc<Served>]) -> String {
     topic("contact_network", json(all().filter_map(convert::whole_network)));
     topic("grain_motion", json(all().filter_map(convert::whole_motion)));
     topic("fabric", json(all().filter_map(convert::fabric)));
+    topic("bonds", json(all().filter_map(convert::whole_bonds)));
+    topic("cracks", json(all().filter_map(convert::whole_cracks)));
     topic("events", json(all().flat_map(convert::events)));
     topic("rearrangements", json(all().flat_map(msg::rearrangement::whole)));
     serde_json::to_string(&topics).unwrap()

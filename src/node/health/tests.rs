@@ -24,6 +24,8 @@ fn served(disposition: Disposition, iterations: Option<u32>) -> Served {
         grains: None,
         motion: None,
         fabric: None,
+        bonds: None,
+        cracks: None,
         rearrangements: Vec::new(),
         snapshots: Vec::new(),
     });

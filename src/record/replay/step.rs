@@ -72,6 +72,8 @@ impl Step {
             fabric: has(&topics::FABRIC),
             rearrangements: has(&topics::REARRANGEMENTS),
             snapshots: has(&topics::SNAPSHOTS),
+            bonds: has(&topics::BONDS),
+            cracks: has(&topics::CRACKS),
         }
     }
 
