@@ -194,7 +194,7 @@ pub struct Event {
 /// Forces on the six walls.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct WallForces {
-    /// Normal force \[N\], never negative.
+    /// Normal force \[N\], negative only where cement pulls.
     pub normal_force: [f64; wall::COUNT],
     /// Inward displacement since the start of the run \[m\].
     pub displacement: [f64; wall::COUNT],

@@ -160,7 +160,8 @@ impl Sink for NodeSink {
             }),
             // Recorded only.
             snapshots: false,
-            bonds: when(bonds, |endpoints| endpoints.bonds.has_listener(endpoints)),
+            bonds: when(bonds, |endpoints| endpoints.bonds.has_listener(endpoints))
+                || marked && bonds != When::Never,
             cracks: when(cracks, |endpoints| endpoints.cracks.has_listener(endpoints)),
         }
     }

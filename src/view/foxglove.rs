@@ -185,7 +185,7 @@ impl Sink for LiveSink {
             fabric: asked(&topics::FABRIC),
             rearrangements: asked(&topics::REARRANGEMENTS),
             snapshots: asked(&topics::SNAPSHOTS),
-            bonds: asked(&topics::BONDS),
+            bonds: marked || asked(&topics::BONDS),
             cracks: asked(&topics::CRACKS),
         }
     }

@@ -1,10 +1,13 @@
 //! The measures of one run.
 
+pub mod cement;
+
 use super::motions::Motions;
 use crate::msg::{
-    ContactNetwork, Event, Fabric, GrainMotion, Moduli, PackState, Rearrangement, Tangent,
+    ContactNetwork, Cracks, Event, Fabric, GrainMotion, Moduli, PackState, Rearrangement, Tangent,
     WallForces,
 };
+use crate::report::EventKind;
 
 /// The measures between two resets of the twin, in the order of the bag. A reset takes the pack
 /// back to the start and counts the increments from 0 again.
@@ -26,7 +29,9 @@ pub struct Run {
     pub loads: Vec<Load>,
     /// How the grains moved.
     pub motions: Motions,
-    /// Increments with events, each once.
+    /// Bonds and cracks.
+    pub cement: cement::Cement,
+    /// Increments with stress drops, each once.
     pub eventful: Vec<u64>,
     /// Energy that events released in these increments \[J\].
     pub released: Vec<(u64, f64)>,
@@ -48,7 +53,7 @@ pub struct Forces {
 pub struct Load {
     /// The increment.
     pub increment: u64,
-    /// Sum of the normal forces \[N\].
+    /// Sum of the magnitudes of the normal forces \[N\].
     pub normal: f64,
     /// Sum of the magnitudes of the tangential forces \[N\].
     pub tangential: f64,
@@ -63,6 +68,7 @@ pub(super) enum Measure {
     Network(ContactNetwork),
     Motion(Box<GrainMotion>),
     Fabric(Box<Fabric>),
+    Cracks(Box<Cracks>),
     Event(Event),
     Rearrangement(Rearrangement),
 }
@@ -128,6 +134,11 @@ impl Run {
                 (self.loads.last().map(|m| m.increment), next.increment, next.chunk > 0)
             }
             Measure::Motion(next) => (self.motions.increment(), next.increment, next.chunk > 0),
+            Measure::Cracks(next) => (
+                self.cement.standing.last().map(|now| now.increment),
+                next.increment,
+                next.chunk > 0,
+            ),
             // They come after the measures of their increment.
             Measure::Event(_) | Measure::Rearrangement(_) => return false,
         };
@@ -143,7 +154,12 @@ impl Run {
             Measure::Network(network) => self.add_network(network),
             Measure::Motion(motion) => self.motions.add(*motion),
             Measure::Fabric(fabric) => self.fabrics.push(*fabric),
-            Measure::Event(event) => self.add_event(event.increment),
+            Measure::Cracks(cracks) => self.cement.add(&cracks),
+            // What broke is drawn by itself.
+            Measure::Event(event) if event.kind == EventKind::StressDrop as u8 => {
+                self.add_event(event.increment);
+            }
+            Measure::Event(_) => {}
             Measure::Rearrangement(event) => self.add_rearrangement(&event),
         }
     }
@@ -151,8 +167,12 @@ impl Run {
     /// A live network comes in chunks, which follow upon each other.
     fn add_network(&mut self, network: ContactNetwork) {
         let size = |force: &[f64]| force.iter().map(|part| part * part).sum::<f64>().sqrt();
-        let tangential = network.tangential_force.chunks_exact(3).map(size).collect();
-        let ContactNetwork { increment, chunk, normal_force: normal, .. } = network;
+        let tangential = network.tangential_force.chunks_exact(3).map(size);
+        let ContactNetwork { increment, chunk, normal_force, .. } = &network;
+        let (increment, chunk) = (*increment, *chunk);
+        // Where cement broke there may be no contact.
+        let carries = normal_force.iter().copied().zip(tangential).filter(|of| *of != (0.0, 0.0));
+        let (normal, tangential) = carries.unzip();
         let forces = Forces { increment, normal, tangential };
         self.add_load(&forces, chunk);
         let Some([first, last]) = &mut self.networks else {
@@ -189,7 +209,8 @@ impl Run {
 
     fn add_load(&mut self, forces: &Forces, chunk: u32) {
         let increment = forces.increment;
-        let (normal, tangential) = (forces.normal.iter().sum(), forces.tangential.iter().sum());
+        let normal = forces.normal.iter().map(|force| force.abs()).sum();
+        let tangential = forces.tangential.iter().sum();
         match self.loads.last_mut() {
             Some(last) if chunk > 0 && last.increment == increment => {
                 last.normal += normal;

@@ -89,6 +89,11 @@ pub struct Cracks {
     pub energy_released: Vec<f64>,
 }
 
+impl Cracks {
+    /// The [`mode`](Self::mode) of a bond that the tensile stress broke.
+    pub const TENSION: u8 = 1;
+}
+
 describe!(
     Bonds,
     "graintwin_msgs",
