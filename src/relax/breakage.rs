@@ -96,8 +96,13 @@ pub fn carrying<'a>(
         let branch = bond.branch(&state.position, &bounds);
         let distance = branch.norm();
         let normal = branch / distance;
-        let arm = model.radius[bond.first as usize] - 0.5 * bond.overlap;
-        let position = state.position[bond.first as usize] - normal * arm.min(distance);
+        // In the middle between the surfaces, or on the wall.
+        let overlap = bond.overlap + (bond.distance - distance);
+        let arm = match bond.second {
+            Other::Grain(_) => model.radius[bond.first as usize] - 0.5 * overlap,
+            Other::Wall(_) => distance,
+        };
+        let position = state.position[bond.first as usize] - normal * arm;
         let (mut normal_force, mut shear, mut torsion) = (0.0, Vec3::zeros(), 0.0);
         if bond.holds() {
             let law = model.law_of(cement, bond);
