@@ -1,6 +1,6 @@
 //! The measures of one run.
 
-pub mod cement;
+pub(super) mod cement;
 
 use super::motions::Motions;
 use crate::msg::{
