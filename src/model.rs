@@ -19,6 +19,11 @@ const PART: usize = 5000;
 /// Most parts.
 pub(crate) const MOST_PARTS: usize = 8;
 
+/// Approach of cement over the mean radius whose force is faint.
+const FAINT_STRAIN: f64 = 1e-6;
+/// Roundings that a contact's force may be off by.
+const ROUNDINGS: f64 = 10.0;
+
 /// Constants of a specimen. Arrays have one entry a grain, in the solver's order.
 #[derive(Clone, Debug)]
 pub struct Model {
@@ -50,8 +55,10 @@ pub struct Model {
     /// Cement.
     pub cement: Option<Cement>,
     /// Mean contact force below which residuals are those of this force \[N\]: cement can be free of
-    /// any load, where rounding alone is left. 0 without cement.
+    /// any load. 0 without cement.
     pub least_force: f64,
+    /// What the rounding of coordinates makes of cement that is free of load \[N\]; 0 without cement.
+    pub rounding_force: f64,
 }
 
 /// Constants of the frictional laws. Arrays have one entry a grain, in the solver's order.
@@ -114,6 +121,12 @@ impl Friction {
 }
 
 impl Friction {
+    /// Whether nothing but cement resists sliding.
+    #[must_use]
+    pub fn is_smooth(&self) -> bool {
+        self.wall_coefficient == 0.0 && self.coefficient.iter().all(|&mu| mu == 0.0)
+    }
+
     /// μ between grain `first` and `second`.
     #[must_use]
     pub fn between(&self, first: u32, second: Other) -> f64 {
@@ -136,7 +149,11 @@ impl Model {
         }
         if let scene::Normal::Cement(cement) = scene.contact.normal {
             model.cement = Some(cement);
-            model.least_force = model.faint_cement_force();
+            let stiffness = model.typical_stiffness();
+            let far = pack.bounds.min.iter().chain(&pack.bounds.max).map(|x| x.abs());
+            let far = far.fold(0.0, f64::max);
+            model.least_force = stiffness * FAINT_STRAIN * model.mean_radius;
+            model.rounding_force = stiffness * ROUNDINGS * f64::EPSILON * far;
             let smooth = || Friction::smooth(&model.grains, &scene.walls, torsion);
             model.friction = model.friction.or_else(|| Some(smooth()));
         }
@@ -175,6 +192,7 @@ impl Model {
             friction: None,
             cement: None,
             least_force: 0.0,
+            rounding_force: 0.0,
             grains,
         }
     }
@@ -210,11 +228,11 @@ impl Model {
         if self.has_gravity() { 3 } else { 4 }
     }
 
-    /// Force of cement whose approach is 1e-6 of the mean radius \[N\].
-    fn faint_cement_force(&self) -> f64 {
+    /// Stiffness of a contact whose overlap is 1e-2 of the mean radius \[N/m\].
+    fn typical_stiffness(&self) -> f64 {
         let compliance = self.compliance.iter().sum::<f64>() / self.len().max(1) as f64;
         let modulus = hertz::modulus(0.5 * self.mean_radius, 2.0 * compliance);
-        hertz::stiffness(modulus, 1e-2 * self.mean_radius) * 1e-6 * self.mean_radius
+        hertz::stiffness(modulus, 1e-2 * self.mean_radius)
     }
 
     /// Force of a contact that is as good as open \[N\]: an overlap of 1e-7 of the mean radius,

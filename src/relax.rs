@@ -36,6 +36,7 @@ mod sym3;
 mod sym6;
 pub mod tangent;
 pub mod tangential;
+pub mod two_step;
 mod verdict;
 
 use crate::Vec3;
@@ -57,13 +58,10 @@ use rattlers::Rattlers;
 use servo::Servo;
 use site::{Adjacency, Others};
 use tangential::{Changes, Reference};
+use two_step::TwoStep;
 
 /// Times that floating grains which turn out to carry load may join the balance.
 const ROUNDS: u32 = 40;
-
-/// Longest Newton step with friction over the mean overlap: beyond it the contacts that slide are
-/// others.
-const FRICTIONAL_CAP: f64 = 0.03;
 
 /// How a relaxation ended. All but the first two leave no state to trust.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -147,7 +145,8 @@ pub struct Workspace {
     pub follows: bool,
     /// Instabilities followed since the list was last emptied.
     pub jumps: Vec<Jump>,
-    /// Newton steps of a grain longer than this many mean overlaps are shortened.
+    /// Newton steps of a grain longer than this many mean overlaps are shortened, without shear in
+    /// the contacts.
     pub step_cap: f64,
     /// Shift of each grain's block, shape (n).
     shift: Vec<f32>,
@@ -178,6 +177,8 @@ pub struct Workspace {
     /// Sweeps grain by grain so far.
     sweeps: u64,
     loose: Loose,
+    /// The increment in two linear steps.
+    two_step: TwoStep,
     inertia: Inertia,
     /// Whether the linear system at hand is that of the last step of a search that found a minimum.
     near_minimum: bool,
@@ -198,7 +199,7 @@ impl Workspace {
             linear: Linear::default(),
             coupled: Coupled::default(),
             reference_stiffness: hertz::stiffness(modulus, 1e-2 * model.mean_radius),
-            step_cap: if model.friction.is_some() { FRICTIONAL_CAP } else { 1.0 },
+            step_cap: 1.0,
             follows: true,
             jumps: Vec::new(),
             shift: vec![0.0; model.len()],
@@ -221,6 +222,7 @@ impl Workspace {
             sweeps: 0,
             near_minimum: false,
             loose: Loose::default(),
+            two_step: TwoStep::default(),
             inertia: Inertia::default(),
             negligible_force: model.negligible_force(),
         }
@@ -231,7 +233,7 @@ impl Workspace {
     pub fn effort(&self) -> Effort {
         Effort {
             gradients: self.balance.evaluations + self.trial_balance.evaluations + self.sweeps,
-            products: self.linear.products + self.coupled.products,
+            products: self.linear.products + self.coupled.products + self.two_step.products,
         }
     }
 
@@ -253,6 +255,7 @@ impl Workspace {
             + self.rattlers.heap_bytes()
             + self.adjacency.heap_bytes()
             + self.loose.heap_bytes()
+            + self.two_step.heap_bytes()
             + self.inertia.heap_bytes()
             + single
             + heap::bytes(&self.support)
@@ -286,6 +289,9 @@ impl Workspace {
         self.neighbours.refresh(model, &state.position, &state.bounds(model));
         self.take_bonds(model, state);
         self.reference.begin(model, state, &self.neighbours, false);
+        if model.is_two_step() {
+            self.two_step.begin(state);
+        }
     }
 
     /// Takes the pack as it was given as the reference. It may carry what it remembers even where
@@ -316,6 +322,10 @@ impl Workspace {
 
     /// Ends an increment: `state`, whose balance was taken last, remembers its tangential loads.
     pub fn commit(&mut self, model: &Model, state: &mut State) -> Changes {
+        if model.is_two_step() {
+            // Each step left its loads there.
+            return self.two_step.changes;
+        }
         self.reference.commit(model, state, &self.balance, &self.neighbours, &mut self.memory)
     }
 
@@ -416,11 +426,12 @@ impl Workspace {
         self.trial.clear();
         self.trial
             .extend(state.position.iter().zip(&self.step).map(|(at, step)| at + step * factor));
-        self.trial_rotation.clear();
-        self.trial_rotation.extend(
-            (state.rotation.iter().zip(&self.turn).zip(&model.radius))
-                .map(|((at, turn), radius)| at + turn * (factor / radius)),
-        );
+        self.trial_rotation.clone_from(&state.rotation);
+        for ((at, turn), radius) in
+            self.trial_rotation.iter_mut().zip(&self.turn).zip(&model.radius)
+        {
+            *at += turn * (factor / radius);
+        }
         model.start.displaced(&self.trial_displacement)
     }
 

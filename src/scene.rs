@@ -33,7 +33,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::wall::Bounds;
 
-pub use cement::{Cement, CementLaw, CementStrength, Exponential, Parallel, Power};
+pub use cement::{Cement, CementLaw, CementStrength, Exponential, Parallel, Power, Solution};
 use check::{Field, Problems};
 pub use choice::Choice;
 pub use contact::{Contact, Coulomb, Friction, Law, Normal, Update};

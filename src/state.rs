@@ -175,11 +175,11 @@ impl State {
             self.memory.layers.extend(layers.iter().map(|layer| layer.times(sign)));
         }
         if model.cement.is_some() {
-            self.recall_bonds(&place, &history.bonds);
+            self.recall_bonds(model, &place, &history.bonds);
         }
     }
 
-    fn recall_bonds(&mut self, place: &[u32], bonds: &[pack::BondMemory]) {
+    fn recall_bonds(&mut self, model: &Model, place: &[u32], bonds: &[pack::BondMemory]) {
         self.bonds.clear();
         self.bonds.extend(bonds.iter().map(|memory| {
             let first = place[memory.first as usize];
@@ -192,6 +192,10 @@ impl State {
             }
         }));
         self.bonds.sort_unstable_by_key(Bond::key);
+        let bounds = self.bounds(model);
+        for bond in &mut self.bonds {
+            bond.normal_force = bond.recalled(model, &self.position, &bounds);
+        }
     }
 
     /// The history to be saved with the pack; `None` without friction.

@@ -18,7 +18,7 @@ use crate::pack::{Grain, History, Pack};
 use crate::relax::advance::Advance;
 use crate::relax::breakage::Crack;
 use crate::relax::jump::Jump;
-use crate::relax::{Effort, Outcome, Status, Workspace, accuracy, relax};
+use crate::relax::{Effort, Outcome, Status, Workspace, accuracy, relax, two_step};
 use crate::report::{Demand, Report};
 use crate::scene::{Method, ModuliKind, Scene, When};
 use crate::state::State;
@@ -138,12 +138,18 @@ impl Twin {
         work.start(model, state);
         work.jumps.clear();
         let outcome = pool.install(|| {
-            let outcome = relax(model, state, work);
+            let outcome = match model.is_two_step() && !state.bonds.is_empty() {
+                true => two_step::start(model, state, work, false),
+                false => relax(model, state, work),
+            };
             match &model.cement {
                 Some(cement) if outcome.status.is_equilibrium() && state.bonds.is_empty() => {
                     deposit(model, cement, state);
                     work.start(model, state);
-                    let cemented = relax(model, state, work);
+                    let cemented = match model.is_two_step() {
+                        true => two_step::start(model, state, work, true),
+                        false => relax(model, state, work),
+                    };
                     Outcome { iterations: outcome.iterations + cemented.iterations, ..cemented }
                 }
                 _ => outcome,

@@ -23,6 +23,7 @@ fn contact(first: u32, second: Other, force: f64) -> Contact {
         slides: false,
         slipped: false,
         distance: 1.0,
+        cement: None,
     }
 }
 

@@ -9,8 +9,8 @@ use graintwin::scene::{
     Discovery, Exponential, Fault, Friction, Generate, Isotropic, Joint, JointStates,
     JointTrajectory, Late, Lateral, Law, Limits, LoadPath, Material, MeasuredWrench, Method,
     ModuliKind, Moving, Node, Normal, Outputs, PackSource, Parallel, Polyaxial, Power, Radius,
-    Record, Repeat, RigLog, Scene, ServiceMapping, Solver, Step, StrainUnit, Targets, Triaxial,
-    Uniaxial, Unload, Update, View, WallName, Walls, WallsStep, When, Zero, prepare,
+    Record, Repeat, RigLog, Scene, ServiceMapping, Solution, Solver, Step, StrainUnit, Targets,
+    Triaxial, Uniaxial, Unload, Update, View, WallName, Walls, WallsStep, When, Zero, prepare,
 };
 use graintwin::wall::Bounds;
 use graintwin::wall::WallTarget;
@@ -115,7 +115,8 @@ fn normal() -> impl Strategy<Value = Normal> {
         (strength(), strength()).prop_map(|(tension, shear)| CementStrength { tension, shear });
     let cement = (law, positive(), 0.0..=1.0, 0.0..=1.0, any::<bool>(), option::of(strength));
     let cement = cement.prop_map(|(law, kappa, partial_slip, bridge, walls, strength)| {
-        Normal::Cement(Cement { law, kappa, partial_slip, bridge, walls, strength })
+        let solution = Solution::default();
+        Normal::Cement(Cement { law, kappa, partial_slip, bridge, walls, solution, strength })
     });
     prop_oneof![Just(Normal::Hertz), cement]
 }

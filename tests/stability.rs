@@ -66,6 +66,14 @@ fn events_are_those_of_the_gradient_flow() {
     assert!(5 * alone <= seen.both && seen.elsewhere <= 1, "{seen:?}");
 }
 
+/// Single grains are balanced with the contacts that appear where cement broke: the lists of one
+/// equilibrium are not those of the next.
+#[test]
+fn cement_breaks_bond_by_bond_with_an_equilibrium_after_each() {
+    let seen = all_applied(&hard::cemented(40, 0.0, 3e7, 50));
+    assert!(seen.bonds[1] > 50 && seen.bonds[0] > 50, "{:?}", seen.bonds);
+}
+
 #[test]
 fn an_instability_is_reported_with_the_grains_that_jumped() {
     let hard = hard::near_jamming(300, 0.0, 2e5, 1e-4, 10);

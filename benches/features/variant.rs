@@ -53,6 +53,11 @@ const NOTHING: Demand = Demand::NONE;
 const TANGENT: Demand = Demand { tangent: true, ..NOTHING };
 const MOTION: Demand = Demand { grain_motion: true, ..NOTHING };
 
+/// Cement of T 4.8.
+const EXPONENTIAL: &str = "contact: {normal: {cement: {law: {exponential: {gamma: 3000.0}}}}}\n";
+const PARALLEL: &str = "contact: {normal: {cement: {law: {parallel: {young: 70.0e9, shear: 29.2e9, \
+     radius_ratio: 0.003, length_ratio: 0.001}}}}}\n";
+
 /// Every variant; the first is the one with everything off.
 pub(crate) fn variants() -> Vec<Variant> {
     let physics = |feature, setting, physics| Variant {
@@ -84,6 +89,9 @@ pub(crate) fn variants() -> Vec<Variant> {
         physics("friction", "on: 0.3", rough),
         physics("torsion", "off: no friction", "contact: {torsion: true}\n"),
         physics("torsion", "on, with friction", "contact: {friction: {coefficient: 0.3}}\n"),
+        physics("cement", "off: Hertz", "contact: {normal: hertz}\n"),
+        physics("cement", "on: exponential", EXPONENTIAL),
+        physics("cement", "on: parallel bond", PARALLEL),
         physics("gravity", "off: zero", "gravity: [0.0, 0.0, 0.0]\n"),
         physics("gravity", "on: 9.81 m/s²", "gravity: [0.0, 0.0, -9.81]\n"),
         asked("state measures", Demand { state: true, ..NOTHING }),

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use graintwin::contact::cement::deposit::deposit;
 use graintwin::model::Model;
 use graintwin::pack;
 use graintwin::path;
@@ -126,6 +127,11 @@ fn solve(variant: &Variant) {
     pool.expect("the thread that is there").install(|| {
         work.start(&model, &state);
         let mut here = relax(&model, &mut state, &mut work);
+        if let Some(cement) = &model.cement {
+            deposit(&model, cement, &mut state);
+            work.start(&model, &state);
+            here = relax(&model, &mut state, &mut work);
+        }
         work.commit(&model, &mut state);
         for k in 1..=COUNTED {
             let travel = 0.5e-4 * k as f64 * model.start.sides()[2];

@@ -23,7 +23,14 @@ pub(crate) fn run(only: Option<&str>) {
                 continue;
             }
             let (seen, worst) = timed(&hard);
-            row(&hard.name, friction, &seen, worst, &seen.said);
+            let said = match seen.bonds {
+                [0, 0] => seen.said.clone(),
+                [held, broke] if seen.said.is_empty() => {
+                    format!("{broke} of {} bonds broke", held + broke)
+                }
+                [held, broke] => format!("{broke} of {} bonds broke; {}", held + broke, seen.said),
+            };
+            row(&hard.name, friction, &seen, worst, &said);
             refusals
                 .extend(seen.refused.iter().map(|why| format!("{}, {friction}: {why}", hard.name)));
         }
@@ -53,6 +60,9 @@ fn makers() -> Vec<Maker> {
         }
     }
     makers.push(Box::new(|friction| hard::decompression(GRAINS, friction)));
+    for (strength, parts) in [(1e8, 100), (1e8, 10), (f64::INFINITY, 10)] {
+        makers.push(Box::new(move |friction| hard::cemented(GRAINS, friction, strength, parts)));
+    }
     makers.push(Box::new(|friction| hard::large_strain(FEWER, friction, 100)));
     makers.push(Box::new(|friction| hard::cycles(30, friction, 10_000)));
     makers.push(Box::new(|friction| hard::constriction(friction, 60)));

@@ -3,9 +3,11 @@
 //!
 //! Writes the figures of `docs/validation.md` into `docs/images` and prints its tables. Seeds as
 //! arguments take the place of the default ones: `-- 4 5`, and names of parts select them:
-//! `-- network` (the force network), `-- events`, `-- moduli`. One thread; takes minutes.
+//! `-- network` (the force network), `-- events`, `-- cement`, `-- two_step`, `-- moduli`. One thread;
+//! takes minutes.
 #![allow(clippy::print_stdout, clippy::expect_used)] // A bench prints, and ends when a step fails.
 
+mod cement;
 mod curve;
 mod events;
 mod figures;
@@ -15,6 +17,7 @@ mod runs;
 mod specimen;
 mod tables;
 mod theory;
+mod two_step;
 
 use std::path::{Path, PathBuf};
 
@@ -26,7 +29,7 @@ use runs::Sample;
 const SEEDS: [u64; 3] = [1, 2, 3];
 
 /// Parts that can be selected.
-const PARTS: [&str; 3] = ["moduli", "network", "events"];
+const PARTS: [&str; 5] = ["moduli", "network", "events", "cement", "two_step"];
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -49,6 +52,14 @@ fn main() {
     }
     if selected("events") {
         pool.install(|| events::run(&seeds, &images()));
+    }
+    if selected("cement") {
+        let samples = pool.install(|| cement::run(&seeds));
+        cement::print(&samples);
+        draw(cement::sheets(&samples));
+    }
+    if selected("two_step") {
+        pool.install(|| two_step::run(&seeds));
     }
 }
 

@@ -6,7 +6,7 @@ use crate::contact::cement::parallel::Cylinder;
 use crate::contact::neighbours::wall_gap;
 use crate::contact::{Other, hertz};
 use crate::model::Model;
-use crate::scene::{Cement, CementLaw};
+use crate::scene::{Cement, CementLaw, Solution};
 use crate::state::Bond;
 use crate::wall::{self, Bounds};
 
@@ -20,6 +20,12 @@ pub enum BondLaw {
 }
 
 impl Model {
+    /// Whether increments are solved in two linear steps (T A.2.2).
+    #[must_use]
+    pub fn is_two_step(&self) -> bool {
+        self.cement.is_some_and(|cement| cement.solution == Solution::TwoStep)
+    }
+
     /// R* \[m\] and 1/E* \[1/Pa\] of a pair of bodies (T 2.3).
     #[must_use]
     pub fn pair(&self, first: u32, second: Other) -> (f64, f64) {
@@ -105,10 +111,33 @@ impl Bond {
         }
     }
 
-    /// Force of its cement on grain i along `normal` at an equilibrium, by the law `law` \[N\]:
-    /// negative in tension.
+    /// Force of its cement on grain i along `normal` at an equilibrium \[N\], negative in tension: the
+    /// one that it remembers, or that by the law `law`.
     #[must_use]
     pub fn force(&self, law: &BondLaw, normal: &Vec3, position: &[Vec3], bounds: &Bounds) -> f64 {
+        match self.normal_force {
+            Some(force) => force,
+            None => self.force_by_law(law, normal, position, bounds),
+        }
+    }
+
+    /// The normal force that it goes on from \[N\]; `None` where the law gives it.
+    #[must_use]
+    pub fn recalled(&self, model: &Model, position: &[Vec3], bounds: &Bounds) -> Option<f64> {
+        let cement = model.cement.as_ref().filter(|_| model.is_two_step())?;
+        let normal = self.branch(position, bounds).normalize();
+        Some(self.force(&model.law_of(cement, self), &normal, position, bounds))
+    }
+
+    /// Force of its cement on grain i along `normal` by the law `law` \[N\].
+    #[must_use]
+    pub fn force_by_law(
+        &self,
+        law: &BondLaw,
+        normal: &Vec3,
+        position: &[Vec3],
+        bounds: &Bounds,
+    ) -> f64 {
         match law {
             BondLaw::Effective(law) => law.answer(self.branch(position, bounds).norm()).force,
             // (4.20)

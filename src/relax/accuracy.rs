@@ -15,7 +15,7 @@ use crate::model::Model;
 use crate::relax::balance::Sums;
 use crate::relax::linear::Inner;
 use crate::relax::tangential::Traction;
-use crate::relax::{Outcome, Status, Workspace};
+use crate::relax::{Outcome, Status, Workspace, two_step};
 use crate::state::State;
 use crate::wall;
 
@@ -56,7 +56,10 @@ pub fn wall_force_error(model: &Model, state: &State, work: &mut Workspace, here
     }
     let Change { force, stiffness } = change(model, state, work);
     let energy = (-work.slope(&work.balance)).max(0.0);
-    PREDICTED * force + BOUND * (stiffness * energy).sqrt() + rounding(model, state, work, sums)
+    PREDICTED * force
+        + BOUND * (stiffness * energy).sqrt()
+        + rounding(model, state, work, sums)
+        + two_step::departure(model, state)
 }
 
 /// Solves for the step to the equilibrium, with a shift where the state is no minimum; says whether

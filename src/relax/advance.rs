@@ -9,7 +9,7 @@ use crate::relax::breakage::{self, Crack, Relaxed};
 use crate::relax::jump::{Carried, Jump};
 use crate::relax::servo::{self, Drive};
 use crate::relax::tangential::Changes;
-use crate::relax::{Outcome, Status, Workspace, accuracy, newton, relax};
+use crate::relax::{Outcome, Status, Workspace, accuracy, newton, relax, two_step};
 use crate::scene::{Method, Update};
 use crate::state::{Ledger, State};
 use crate::wall::{self, Bounds, Control, Load, Setpoint};
@@ -107,12 +107,14 @@ pub fn advance(
             let aim = part_of_the_way(&drives, &goal, share);
             work.servo.begin(&aim, STRETCH * limit);
             // The seeds' methods begin where the walls take the grains.
-            if work.reference.active && model.solver.method == Method::Newton {
+            let predicts = model.solver.method == Method::Newton && !model.is_two_step();
+            if work.reference.active && predicts {
                 newton::predict(model, state, work);
             }
             let mut outcome = solve(model, state, work);
             let lost = matches!(outcome.status, Status::Unstable | Status::Stalled);
-            if lost && !goal.is_empty() && attempt >= patience && creeps < MOST_CREEPS {
+            let creeps_on = lost && !goal.is_empty() && !model.is_two_step();
+            if creeps_on && attempt >= patience && creeps < MOST_CREEPS {
                 state.copy_from(&last);
                 outcome = creep(model, state, work, &target, (share, limit));
                 crept = true;
@@ -151,11 +153,16 @@ pub fn advance(
         so_far.jumps.append(&mut work.jumps);
         add_work(state, &last.displacement, &forces, &next);
         forces = next;
-        if !crack(model, state, work, &drives, &mut so_far, &mut forces) {
+        let cracks = so_far.cracks.len();
+        if !crack(model, state, work, &mut so_far, &mut forces) {
             state.copy_from(&start);
             so_far.jumps.clear();
             so_far.cracks.clear();
             return so_far;
+        }
+        if so_far.cracks.len() > cracks && !goal.is_empty() {
+            // The loads that the walls lost are asked for anew.
+            drives = present(&goal, &forces, &state.bounds(model));
         }
     }
     so_far
@@ -169,28 +176,24 @@ impl Advance {
     }
 }
 
-/// Breaks the overloaded bonds of `state`, an equilibrium, one by one, with walls that stand or keep
-/// their loads. Says whether there was an equilibrium after each.
+/// Breaks the overloaded bonds of `state`, an equilibrium, one by one, with all walls where they are:
+/// walls that carry a load are slow against cracks. Says whether there was an equilibrium after each.
 fn crack(
     model: &Model,
     state: &mut State,
     work: &mut Workspace,
-    drives: &[Drive],
     so_far: &mut Advance,
     forces: &mut [f64; wall::COUNT],
 ) -> bool {
     let cracks = so_far.cracks.len();
     while let Some((place, mut crack)) = breakage::weakest(model, state) {
-        let before = state.displacement;
         let stored = so_far.outcome.sums.energy + state.friction.stored;
-        let had = so_far.outcome.sums.energy + ledger(state) - state.wall_work;
+        let had = so_far.outcome.sums.energy + ledger(state);
         let start = Ends::of(model, state, work, &crack);
         breakage::break_bond(state, place, crack.mode);
         work.begin(model, state);
         work.jumps.clear();
-        work.servo.begin(drives, STRETCH * strain_limit(model, &so_far.outcome));
         let outcome = solve(model, state, work);
-        work.servo.begin(&[], 0.0);
         so_far.outcome = outcome;
         so_far.iterations += outcome.iterations;
         so_far.descents += outcome.descents;
@@ -199,11 +202,8 @@ fn crack(
         }
         let changes = work.commit(model, state);
         so_far.add(changes);
-        let next = walls::normal_forces(model, state, &work.neighbours);
-        add_work(state, &before, forces, &next);
-        *forces = next;
         // What is neither stored nor lost by slip or instabilities was lost with the cement.
-        let has = outcome.sums.energy + ledger(state) - state.wall_work;
+        let has = outcome.sums.energy + ledger(state);
         let released = had - has - work.jumps.iter().map(Jump::released).sum::<f64>();
         state.friction.broken += released;
         let end = Ends::of(model, state, work, &crack);
@@ -221,6 +221,7 @@ fn crack(
         so_far.jumps.append(&mut work.jumps);
     }
     if so_far.cracks.len() > cracks {
+        *forces = walls::normal_forces(model, state, &work.neighbours);
         let outcome = &so_far.outcome;
         so_far.wall_force_error = accuracy::wall_force_error(model, state, work, outcome);
     }
@@ -361,8 +362,11 @@ fn creep(
     solve(model, state, work)
 }
 
-/// Relaxes, and with friction up to date renews the limits and relaxes again.
+/// Relaxes or, where the scene has it so, solves in two linear steps; and with friction up to date renews the limits and relaxes again.
 fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
+    if model.is_two_step() {
+        return two_step::solve(model, state, work);
+    }
     let mut outcome = relax(model, state, work);
     if model.friction.as_ref().is_some_and(|friction| friction.update == Update::Current) {
         for _ in 0..RENEWALS {

@@ -46,6 +46,10 @@ const HALVINGS: u32 = 6;
 /// Shifted steps beyond convergence before a state counts as a minimum all the same.
 const EXTRA_STEPS: u32 = 4;
 
+/// Longest Newton step with friction over the mean overlap: beyond it the contacts that slide are
+/// others.
+const FRICTIONAL_CAP: f64 = 0.03;
+
 /// What a Newton solve came to.
 #[derive(Clone, Copy, Debug)]
 pub struct Solved {
@@ -207,10 +211,18 @@ fn cut_to(step: &mut [Vec3], turn: &mut [Vec3], longest: f64) {
     }
 }
 
+/// What residuals are measured in \[N\]: the mean contact force, or what stands for it.
+pub(super) fn unit_force(model: &Model, mean_force: f64) -> f64 {
+    let weight = model.weight.iter().map(Vec3::norm).fold(0.0, f64::max);
+    mean_force.max(weight).max(model.least_force).max(f64::MIN_POSITIVE)
+}
+
 /// Largest unbalanced force over the mean contact force; weights count where nothing touches.
 pub(super) fn residual(model: &Model, largest: f64, mean_force: f64) -> f64 {
-    let weight = model.weight.iter().map(Vec3::norm).fold(0.0, f64::max);
-    largest / mean_force.max(weight).max(model.least_force).max(f64::MIN_POSITIVE)
+    if largest < model.rounding_force {
+        return 0.0;
+    }
+    largest / unit_force(model, mean_force)
 }
 
 /// Takes one accepted step; says whether it was shifted, `None` when no step descends.
@@ -237,7 +249,8 @@ fn step(
         // A grain that hardly touches anything is not to be held as if it carried what others do.
         true => work.first_shift.extend(work.coupled.bending().map(|b| FIRST_SHIFT as f32 * b)),
     }
-    let cap = work.step_cap
+    let slides = work.reference.active && !work.reference.smooth;
+    let cap = (if slides { FRICTIONAL_CAP } else { work.step_cap })
         * if sums.contacts > 0 { sums.mean_overlap() } else { 0.1 * model.mean_radius };
     let damping = match work.reference.active {
         false => 0.0,
@@ -327,7 +340,7 @@ fn search(model: &Model, state: &mut State, work: &mut Workspace, bounds: &Bound
     let square: f64 = square(&work.balance);
     // With friction the balance is taken in the current geometry and the potential follows it to
     // the strain.
-    let flat = if model.friction.is_some() { f64::INFINITY } else { 1e-10 };
+    let flat = if work.reference.active { f64::INFINITY } else { 1e-10 };
     let potential = model.has_potential();
     let mut factor = 1.0;
     for _ in 0..=HALVINGS {

@@ -32,9 +32,11 @@ pub(super) struct Adjacency {
 }
 
 impl Adjacency {
-    /// Begins another search: the reference may be another one.
+    /// Begins another search: the reference may be another one, and with it the approach at which
+    /// pairs begin to press whose cement broke.
     pub(super) fn begin(&mut self) {
         self.knows_held = false;
+        self.listed = None;
     }
 
     /// Lists what is not listed yet.

@@ -11,6 +11,7 @@ mod bonded;
 mod commit;
 mod held;
 mod slope;
+mod spring;
 mod turn;
 
 use rayon::prelude::*;
@@ -30,7 +31,8 @@ pub use commit::Changes;
 pub use held::Held;
 pub(super) use held::Pose;
 use held::{Midway, Pair};
-pub(super) use slope::Slope;
+pub(super) use slope::{Along, Slope};
+pub(super) use spring::{Deformation, Spring};
 
 /// Contacts that one task answers for, and that are answered for before their forces are added
 /// up; the bits do not depend on either.
@@ -103,8 +105,10 @@ pub struct Reference {
     bonds: Vec<Bonded>,
     /// Rotations at the reference \[rad\], shape (n).
     rotation: Vec<Vec3>,
-    /// Whether the specimen has friction.
+    /// Whether contacts carry shear.
     pub active: bool,
+    /// Whether only cement resists sliding.
+    pub(super) smooth: bool,
     /// Whether contacts that stuck in the last increment are taken to stick whatever they carry.
     pub(super) sticks: bool,
 }
@@ -138,7 +142,7 @@ impl Reference {
 
     /// Adds the tangential forces in the configuration `at` to `balance`.
     pub(super) fn evaluate(&self, balance: &mut Balance, at: &Configuration<'_>) {
-        let Some(friction) = &at.model.friction else { return };
+        let (true, Some(friction)) = (self.active, &at.model.friction) else { return };
         let Configuration { model, position, rotation, bounds, .. } = *at;
         let pose = Pose { model, position, rotation, bounds };
         balance.tractions.resize(self.contacts.len(), Traction::default());

@@ -25,6 +25,9 @@ pub struct Cement {
     /// Whether grains are cemented to the walls.
     #[serde(default = "default_walls")]
     pub walls: bool,
+    /// How the balance of an increment is found.
+    #[serde(default)]
+    pub solution: Solution,
     /// Stresses at which a bond breaks; left out, none does.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub strength: Option<CementStrength>,
@@ -44,6 +47,18 @@ fn default_bridge() -> f64 {
 
 fn default_walls() -> bool {
     true
+}
+
+/// How the balance of cemented contacts is found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Solution {
+    /// In the geometry at the end of the increment, to the tolerance.
+    #[default]
+    Nonlinear,
+    /// By two linear steps (T A.2.2): with directions and stiffnesses of the start, then with those
+    /// of where that led. For the effective laws.
+    TwoStep,
 }
 
 /// Law of a cemented contact.
@@ -128,6 +143,11 @@ impl Cement {
                 problems.positive(law.key("shear"), shear, "shear > 0 Pa");
                 problems.positive(law.key("radius_ratio"), radius_ratio, "radius_ratio > 0");
                 problems.positive(law.key("length_ratio"), length_ratio, "length_ratio > 0");
+                if self.solution == Solution::TwoStep {
+                    let text = "two_step is for the effective laws, not for parallel bonds; \
+                                allowed: nonlinear";
+                    problems.add(at.key("solution"), text);
+                }
             }
         }
         if let Some(strength) = &self.strength {

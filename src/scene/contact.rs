@@ -6,8 +6,8 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::Cement;
 use super::check::{Field, Problems};
+use super::{Cement, Solution};
 
 /// Contact laws.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,6 +35,15 @@ impl Contact {
         }
         if let Normal::Cement(cement) = &self.normal {
             cement.check(&at.key("normal").key("cement"), problems);
+            let law = match &self.friction {
+                Friction::Coulomb(coulomb) => coulomb.law,
+                Friction::None => Law::ReturnMap,
+            };
+            if cement.solution == Solution::TwoStep && law != Law::ReturnMap {
+                let text = "contacts without cement slide by radial return where \
+                            contact.normal.cement.solution is two_step; allowed: return_map";
+                problems.add(at.key("friction").key("law"), text);
+            }
         }
     }
 }

@@ -24,8 +24,12 @@ pub struct Bond {
     /// Share of the cement that is left, 0 to 1.
     pub share: f64,
     /// Work against the tangential force and the couple since the deposition (T 4.17b, c) \[J\]; of a
-    /// parallel bond it is a function of the state, and this is zero.
+    /// parallel bond it is a function of the state, and this is zero. With
+    /// [`normal_force`](Self::normal_force) that against the normal force too (T 4.17a).
     pub work: f64,
+    /// Normal force on both bodies that the linear increments (4.1) add up to \[N\], negative in
+    /// tension; `None` where the law gives it for the distance.
+    pub normal_force: Option<f64>,
     /// What became of it.
     pub condition: Condition,
 }
@@ -63,11 +67,15 @@ impl Bond {
 
     pub(super) fn put(&self, take: &mut dyn FnMut(&[u8])) {
         let Self { first, second, distance, overlap, radius, share, work, condition, .. } = self;
+        let normal_force = self.normal_force;
         let [a, b] = &self.arm;
         super::put_bodies(*first, *second, take);
         super::numbers(&[*distance, *overlap, *radius, *share, *work], take);
         super::numbers(a.as_slice(), take);
         super::numbers(b.as_slice(), take);
+        if let Some(force) = normal_force {
+            super::numbers(&[force], take);
+        }
         take(&[match condition {
             Condition::Intact => 0,
             Condition::Bare => 1,

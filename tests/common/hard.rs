@@ -2,9 +2,12 @@
 
 use graintwin::command::Disposition;
 use graintwin::pack::generate::{compact, generate};
-use graintwin::pack::{Grain, Pack};
+use graintwin::pack::{Grain, Kept, Pack};
 use graintwin::report::Demand;
-use graintwin::scene::{Coulomb, Friction, Generate, Law, Radius, Scene, Solver, Update, Walls};
+use graintwin::scene::{
+    Cement, CementLaw, CementStrength, Coulomb, Exponential, Friction, Generate, Law, Normal,
+    Radius, Scene, Solver, Update, Walls,
+};
 use graintwin::wall::{self, Bounds};
 
 use crate::packs::{GLASS, Rig, bead, by_strain, centered, made, recipe, scene};
@@ -25,6 +28,8 @@ pub(crate) struct Seen {
     pub(crate) substeps: u32,
     pub(crate) worst_residual: f64,
     pub(crate) events: u32,
+    /// Bonds that held at the end and that broke.
+    pub(crate) bonds: [usize; 2],
     /// Wall forces at the end \[N\].
     pub(crate) forces: [f64; wall::COUNT],
     /// What the program said last, and what of it was no success.
@@ -73,6 +78,10 @@ impl Hard {
             seen.forces = measures.walls.normal_force;
             let residual = measures.state.map_or(0.0, |state| state.residual);
             seen.worst_residual = seen.worst_residual.max(residual);
+        }
+        let pack = rig.twin.pack();
+        for bond in pack.history.iter().flat_map(|history| &history.bonds) {
+            seen.bonds[usize::from(bond.condition != Kept::Intact)] += 1;
         }
         seen
     }
@@ -139,6 +148,23 @@ pub(crate) fn near_jamming(
 pub(crate) fn decompression(grains: usize, friction: f64) -> Hard {
     let strains = through(&[[-4e-3; 3], [0.0; 3]], 10);
     Hard::new("10 MPa to zero and back", friction, made(grains, 1e7, 2), &strains)
+}
+
+/// A cemented pack at 10 MPa, stretched by a hundredth and pressed back in `parts` increments
+/// each, whose cement breaks where its tensile or shear stress reaches `strength` \[Pa\].
+pub(crate) fn cemented(grains: usize, friction: f64, strength: f64, parts: u32) -> Hard {
+    let name = format!("cement of {strength:.0e} Pa, 1 % of stretch in {parts} increments");
+    let strains = through(&[[0.0, 0.0, -1e-2], [0.0; 3]], parts);
+    let mut hard = Hard::new(&name, friction, made(grains, 1e7, 9), &strains);
+    hard.scene.contact.normal = Normal::Cement(Cement {
+        law: CementLaw::Exponential(Exponential { gamma: 3000.0 }),
+        kappa: 0.01,
+        partial_slip: 0.1,
+        bridge: 0.1,
+        walls: true,
+        strength: Some(CementStrength { tension: strength, shear: strength }),
+    });
+    hard
 }
 
 /// A tenth of compression at constant volume.

@@ -74,7 +74,8 @@ impl Increment {
 
     /// Normal forces on the walls there \[N\].
     pub(crate) fn forces(&self, more: [f64; wall::COUNT]) -> Vector6<f64> {
-        let (state, work, _) = self.relaxed(more);
+        let (mut state, mut work, _) = self.relaxed(more);
+        work.commit(&self.model, &mut state);
         walls::normal_forces(&self.model, &state, &work.neighbours).into()
     }
 

@@ -9,7 +9,7 @@ use crate::contact::Other;
 use crate::contact::neighbours::{Neighbours, wall_gap};
 use crate::model::Model;
 use crate::model::cement::BondLaw;
-use crate::scene::{Cement, CementLaw};
+use crate::scene::{Cement, CementLaw, Solution};
 use crate::state::{Bond, Condition, Ledger, State};
 use crate::wall;
 
@@ -61,6 +61,7 @@ pub fn deposit(model: &Model, cement: &Cement, state: &mut State) {
             arm: [Vec3::zeros(); 2],
             share: 1.0,
             work: 0.0,
+            normal_force: (cement.solution == Solution::TwoStep).then_some(0.0),
             condition: if is_wall && !cement.walls { Condition::Bare } else { Condition::Intact },
         };
         if let BondLaw::Parallel(_) = model.law_of(cement, &bond) {

@@ -28,6 +28,10 @@ pub struct BondMemory {
     pub share: f64,
     /// Work against the tangential force and the couple since the deposition \[J\].
     pub work: f64,
+    /// Normal force \[N\], negative in tension, where `contact.normal.cement.solution: two_step` has it
+    /// remembered; left out where the law gives it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub normal_force: Option<f64>,
     /// `intact`, `bare` (never cemented), `tension` or `shear` (how it broke).
     pub condition: Kept,
 }
@@ -65,6 +69,7 @@ impl BondMemory {
             arm: if first < second { [a, b] } else { [b, a] },
             share: bond.share,
             work: bond.work,
+            normal_force: bond.normal_force,
             condition: match bond.condition {
                 Condition::Intact => Kept::Intact,
                 Condition::Bare => Kept::Bare,
@@ -85,6 +90,7 @@ impl BondMemory {
             arm: self.arm.map(Vec3::from),
             share: self.share,
             work: self.work,
+            normal_force: self.normal_force,
             condition: match self.condition {
                 Kept::Intact => Condition::Intact,
                 Kept::Bare => Condition::Bare,

@@ -95,6 +95,9 @@ impl BondMemory {
         for (field, value) in [(".overlap", self.overlap), (".work", self.work)] {
             finite(&[value]).map_err(|_| wrong(field, value, "a finite number"))?;
         }
+        if let Some(force) = self.normal_force {
+            finite(&[force]).map_err(|_| wrong(".normal_force", force, "a finite number"))?;
+        }
         for (end, arm) in self.arm.iter().enumerate() {
             finite(arm).map_err(|fault| format!(".arm[{end}]{fault}"))?;
         }

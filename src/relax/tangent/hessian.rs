@@ -7,7 +7,7 @@ use crate::contact::neighbours::wall_gap;
 use crate::contact::{Other, hertz};
 use crate::model::Model;
 use crate::relax::balance::Configuration;
-use crate::relax::tangential::{Pose, Slope};
+use crate::relax::tangential::{Along, Pose, Slope};
 use crate::wall;
 
 /// Normal contact of two grains.
@@ -72,7 +72,18 @@ impl<'a> Hessian<'a> {
                 }
             }
         }
-        let slopes = at.reference.slopes(&Pose { model, position, rotation, bounds }, carries);
+        let pose = Pose { model, position, rotation, bounds };
+        for Along { first, second, normal, stiffness, bending } in
+            at.reference.cement_normals(&pose, carries)
+        {
+            match second {
+                Other::Grain(second) => {
+                    pairs.push(Pair { first, second, normal, along: stiffness + bending, bending });
+                }
+                Other::Wall(wall) => sides.push(Side { grain: first, wall, stiffness }),
+            }
+        }
+        let slopes = at.reference.slopes(&pose, carries);
         Self { model, pairs, sides, slopes, turns: at.reference.active }
     }
 
@@ -105,7 +116,7 @@ impl<'a> Hessian<'a> {
             forces[w] += push;
         }
         for slope in &self.slopes {
-            self.add(slope, grains, walls, &mut gradient);
+            self.add(slope, grains, walls, (&mut gradient, &mut forces));
         }
         (gradient, forces)
     }
@@ -116,7 +127,7 @@ impl<'a> Hessian<'a> {
         slope: &Slope,
         grains: &[Vec3],
         walls: &[f64; wall::COUNT],
-        gradient: &mut [Vec3],
+        (gradient, forces): (&mut [Vec3], &mut [f64; wall::COUNT]),
     ) {
         let n = self.model.len();
         let radius = &self.model.radius;
@@ -132,8 +143,11 @@ impl<'a> Hessian<'a> {
                 gradient[n + j] += by.moment[1] / radius[j];
             }
             Other::Wall(w) => {
-                let inward = walls[usize::from(w)];
-                let by = slope.changed(&grains[i], inward, [turned(i), Vec3::zeros()]);
+                let w = usize::from(w);
+                let by = slope.changed(&grains[i], walls[w], [turned(i), Vec3::zeros()]);
+                if slope.presses() {
+                    forces[w] += by.force[wall::axis(w)] * wall::inward(w);
+                }
                 gradient[i] -= by.force;
                 gradient[n + i] += by.moment[0] / radius[i];
             }

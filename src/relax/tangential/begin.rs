@@ -42,7 +42,12 @@ impl Reference {
     /// remembers although that is beyond the limit now.
     pub fn begin(&mut self, model: &Model, state: &State, near: &Neighbours, lenient: bool) {
         let Some(friction) = &model.friction else { return };
-        self.active = true;
+        // Smooth grains need not turn before cement is deposited between them.
+        self.smooth = friction.is_smooth();
+        self.active = !self.smooth || !state.bonds.is_empty();
+        if !self.active {
+            return;
+        }
         self.rotation.clone_from(&state.rotation);
         self.contacts.clear();
         self.layers.clear();
@@ -61,7 +66,7 @@ impl Reference {
                     let radii = model.radius[i] + model.radius[j as usize];
                     begin.press(
                         self,
-                        Pressing {
+                        &Pressing {
                             first,
                             second: Other::Grain(j),
                             branch,
@@ -77,7 +82,7 @@ impl Reference {
                 if reach - gap > 0.0 {
                     begin.press(
                         self,
-                        Pressing {
+                        &Pressing {
                             first,
                             second: Other::Wall(w),
                             branch: *at,
@@ -135,8 +140,8 @@ impl Begin<'_> {
         (carried, layers)
     }
 
-    fn press(&mut self, to: &mut Reference, pressing: Pressing) {
-        let Pressing { first, second, branch, normal, overlap, unstressed } = pressing;
+    fn press(&mut self, to: &mut Reference, pressing: &Pressing) {
+        let Pressing { first, second, branch, normal, overlap, unstressed } = *pressing;
         let key = (first, second);
         self.bonds_before(to, Some(key));
         if let Some((place, bond)) = self.bonds.next_if(|(_, bond)| bond.key() == key)

@@ -64,6 +64,8 @@ impl Held {
         let mut held = Self::new(&pair, carried, [branch, normal], [overlap, 0.0], false);
         let law = model.law_of(cement, bond);
         let carried_energy = match &law {
+            // The work of its bond holds that too.
+            BondLaw::Effective(_) if bond.normal_force.is_some() => 0.0,
             BondLaw::Effective(law) => law.answer(distance).energy,
             BondLaw::Parallel(cylinder) => {
                 0.5 * cylinder.stiffness * bond.stretch(position, bounds).norm_squared() // (4.26a)
@@ -121,6 +123,11 @@ impl Held {
 }
 
 impl Bonded {
+    /// Place of the bond among those of the state.
+    pub(super) fn place(&self) -> usize {
+        self.place as usize
+    }
+
     /// The cementing arms of the contact `held` after its bodies turned by `turned`.
     fn arms(&self, held: &Held, turned: [Vec3; 2]) -> [Vec3; 2] {
         let [one, other] = self.arm;

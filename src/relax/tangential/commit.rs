@@ -140,7 +140,7 @@ impl Held {
     }
 
     /// Energies of an increment of a stick-or-slide law at whose end the contact is as `now`.
-    fn stick_or_slide(&self, now: &Self, shear: &Vec3, torsion: f64) -> Ledger {
+    pub(super) fn stick_or_slide(&self, now: &Self, shear: &Vec3, torsion: f64) -> Ledger {
         let before = self.energy(&self.carried.shear, self.carried.torsion);
         let stored = now.energy(shear, torsion);
         Ledger {
