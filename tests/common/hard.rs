@@ -162,6 +162,7 @@ pub(crate) fn cemented(grains: usize, friction: f64, strength: f64, parts: u32) 
         partial_slip: 0.1,
         bridge: 0.1,
         walls: true,
+        solution: graintwin::scene::Solution::Nonlinear,
         strength: Some(CementStrength { tension: strength, shear: strength }),
     });
     hard
