@@ -1,11 +1,12 @@
 //! What an equilibrium tells: wall forces, stress, strain, moduli, porosity, coordination, the force
-//! network, what events did, and how the grains moved.
+//! network, what events and cement did, and how the grains moved.
 //!
 //! Nearly everything is computed from the load-carrying contacts of one state, listed once. Beside it,
 //! how that compares with what a real rig measures ([`discrepancy`]).
 
 use nalgebra::Matrix3;
 
+pub mod cement;
 pub mod contacts;
 pub mod coordination;
 pub mod discrepancy;
@@ -18,6 +19,7 @@ pub mod network;
 pub mod porosity;
 pub mod rearrangement;
 pub mod stress;
+pub mod sudden;
 pub mod tangent;
 pub mod walls;
 

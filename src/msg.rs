@@ -27,8 +27,8 @@ pub mod transforms;
 
 pub use diagnostics::{DiagnosticArray, DiagnosticStatus, KeyValue};
 pub use graintwin::{
-    BoundaryCommand, Circumstance, ContactNetwork, Discrepancy, Event, Fabric, GrainMotion, Moduli,
-    PackState, Report, Tangent, TangentModuli, WallForces, WallTargets,
+    Bonds, BoundaryCommand, Circumstance, ContactNetwork, Cracks, Discrepancy, Event, Fabric,
+    GrainMotion, Moduli, PackState, Report, Tangent, TangentModuli, WallForces, WallTargets,
 };
 pub use graintwin::{Dissociation, Hydrate};
 pub use picture::{Marker, MarkerArray, PointCloud2};

@@ -312,7 +312,7 @@ impl Drop for Recorder {
 /// What must be measured for the topics that are recorded.
 fn demand(settings: &scene::Record) -> Demand {
     let mut demand = Demand::ALL;
-    // Markers show the state and the contacts.
+    // Markers show the state, the contacts and the cement.
     let marked = settings.takes(&topics::MARKERS);
     demand.state = marked || settings.takes(&topics::STATE);
     demand.moduli = settings.takes(&topics::MODULI);
@@ -324,5 +324,7 @@ fn demand(settings: &scene::Record) -> Demand {
     demand.hydrate = settings.takes(&topics::HYDRATE);
     demand.rearrangements = settings.takes(&topics::REARRANGEMENTS);
     demand.snapshots = settings.takes(&topics::SNAPSHOTS);
+    demand.bonds = marked || settings.takes(&topics::BONDS);
+    demand.cracks = settings.takes(&topics::CRACKS);
     demand
 }

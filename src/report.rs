@@ -1,5 +1,7 @@
 //! What one increment says: the answers of the twin, in SI units, compression positive.
 
+mod cement;
+
 mod motion;
 
 mod fabric;
@@ -14,6 +16,7 @@ use serde::Serialize;
 
 use crate::command::{Disposition, Stamp};
 use crate::wall;
+pub use cement::{BondCondition, Bonds, Crack, Cracks};
 pub use motion::{Band, GrainMotion, Localisation};
 
 pub use hydrate::Hydrate;
@@ -46,6 +49,10 @@ pub struct Demand {
     pub rearrangements: bool,
     /// All grains before and after each event: [`Snapshot`].
     pub snapshots: bool,
+    /// What cement carries: [`Bonds`]; nothing without cement.
+    pub bonds: bool,
+    /// Which bonds broke: [`Cracks`]; nothing without cement.
+    pub cracks: bool,
 }
 
 impl Demand {
@@ -61,6 +68,8 @@ impl Demand {
         hydrate: true,
         rearrangements: true,
         snapshots: true,
+        bonds: true,
+        cracks: true,
     };
 
     /// Nothing but what every increment tells.
@@ -75,6 +84,8 @@ impl Demand {
         hydrate: false,
         rearrangements: false,
         snapshots: false,
+        bonds: false,
+        cracks: false,
     };
 
     /// What this or the `other` wants.
@@ -91,6 +102,8 @@ impl Demand {
             hydrate: self.hydrate || other.hydrate,
             rearrangements: self.rearrangements || other.rearrangements,
             snapshots: self.snapshots || other.snapshots,
+            bonds: self.bonds || other.bonds,
+            cracks: self.cracks || other.cracks,
         }
     }
 }
@@ -128,7 +141,7 @@ pub struct Measures {
     pub events: Vec<Event>,
     /// The same events in full, where [`Demand::rearrangements`] was set.
     pub rearrangements: Vec<Rearrangement>,
-    /// Two for each event, before and after, where [`Demand::snapshots`] was set.
+    /// Two for each stress drop among them, before and after, where [`Demand::snapshots`] was set.
     pub snapshots: Vec<Snapshot>,
     /// Forces on the walls.
     pub walls: WallForces,
@@ -152,6 +165,10 @@ pub struct Measures {
     pub fabric: Option<Fabric>,
     /// Present when [`Demand::hydrate`] was set and the pack has hydrate.
     pub hydrate: Option<Hydrate>,
+    /// Present when [`Demand::bonds`] was set and the scene has cement.
+    pub bonds: Option<Bonds>,
+    /// Present when [`Demand::cracks`] was set and the scene has cement.
+    pub cracks: Option<Cracks>,
 }
 
 /// What kind of event, as `graintwin_msgs/Event` numbers it.
@@ -161,6 +178,8 @@ pub struct Measures {
 pub enum EventKind {
     /// The pack lost its stability and came to another equilibrium while the walls stood still.
     StressDrop = 0,
+    /// Cement broke.
+    ContactBreak = 1,
 }
 
 /// A sudden change inside the pack.
@@ -169,23 +188,24 @@ pub struct Event {
     /// What happened.
     pub kind: EventKind,
     /// Confining stress of the contacts where stability was lost \[Pa\]: a third of the trace of
-    /// the Love-Weber stress, at the walls of `stress_after`.
+    /// the Love-Weber stress, at the walls of `stress_after`. Of a crack that of the equilibrium in
+    /// which it broke.
     pub stress_before: f64,
     /// The same at the equilibrium that followed \[Pa\].
     pub stress_after: f64,
     /// Energy that the pack lost between the two, beyond what slip took \[J\].
     pub energy_released: f64,
     /// Grains that carry load and went further than the mean overlap, in the order of the pack
-    /// file.
+    /// file. Of a crack its two bodies, a wall as the contact network names it.
     pub grains: Vec<u32>,
-    /// How far each of them went from where stability was lost \[m\].
+    /// How far each of them went from where stability was lost, or the bond broke \[m\].
     pub displacement: Vec<f64>,
 }
 
 /// Forces on the six walls.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct WallForces {
-    /// Normal force \[N\], never negative.
+    /// Normal force \[N\], negative only where cement pulls.
     pub normal_force: [f64; wall::COUNT],
     /// Inward displacement since the start of the run \[m\].
     pub displacement: [f64; wall::COUNT],
@@ -243,11 +263,13 @@ pub struct PackState {
     /// Energy lost since the start where the law forgets \[J\]: contacts that opened under shear,
     /// stiffnesses renewed under load (a gain when negative); part of `dissipated_energy`.
     pub renewal_energy: f64,
-    /// Energy that the events since the start released \[J\]; part of `dissipated_energy`.
+    /// Energy that the stress drops since the start released \[J\]; part of `dissipated_energy`.
     pub event_energy: f64,
+    /// Energy lost since the start with bonds that broke \[J\]; part of `dissipated_energy`.
+    pub broken_energy: f64,
     /// Work of the walls since the start, trapezoidal over the equilibria \[J\].
     pub wall_work: f64,
-    /// Energy lost in events and sliding since the start \[J\].
+    /// Energy lost in events, sliding and breaking since the start \[J\].
     pub dissipated_energy: f64,
     /// Load-carrying contacts.
     pub contacts: u32,

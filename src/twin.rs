@@ -13,9 +13,11 @@ use sha2::{Digest, Sha256};
 use crate::command::gate::{Decision, Gate, Order, join};
 use crate::command::{Command, Disposition, Stamp};
 use crate::contact::cement::deposit::deposit;
+use crate::contact::cement::strength::Mode;
 use crate::model::Model;
 use crate::pack::{Grain, History, Pack};
 use crate::relax::advance::Advance;
+use crate::relax::breakage::Crack;
 use crate::relax::jump::Jump;
 use crate::relax::{Effort, Outcome, Status, Workspace, accuracy, relax, two_step};
 use crate::report::{Demand, Report};
@@ -314,6 +316,7 @@ impl Twin {
             );
             report.text = join(&report.text, &text);
         }
+        report.text = join(&report.text, &broken(&reached.cracks));
         for jump in &reached.jumps {
             report.text = join(&report.text, &tell(jump));
         }
@@ -421,6 +424,22 @@ const UNJAMMED: &str = "no grain carries load";
 /// Energy that the events of an increment released \[J\].
 fn released(reached: &Advance) -> f64 {
     reached.jumps.iter().map(Jump::released).sum()
+}
+
+/// One sentence about the bonds that broke, if any.
+fn broken(cracks: &[Crack]) -> String {
+    let tension = cracks.iter().filter(|crack| crack.mode == Mode::Tension).count();
+    let shear = cracks.len() - tension;
+    let bonds = match cracks.len() {
+        0 => return String::new(),
+        1 => "1 bond".into(),
+        many => format!("{many} bonds"),
+    };
+    match (tension, shear) {
+        (_, 0) => format!("{bonds} broke by tension"),
+        (0, _) => format!("{bonds} broke by shear"),
+        _ => format!("{bonds} broke, {tension} by tension and {shear} by shear"),
+    }
 }
 
 /// One sentence about a jump.

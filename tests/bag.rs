@@ -19,7 +19,7 @@ use graintwin::msg::{
     JointTrajectoryPoint, KeyValue, Vector3, Wrench, WrenchStamped, convert,
 };
 use graintwin::record::{Recorded, Recorder};
-use graintwin::report::{AngularForm, Measures, TangentModuli};
+use graintwin::report::{AngularForm, Crack, Measures, TangentModuli};
 use graintwin::scene::{Compression, Record};
 use graintwin::sink::{Beside, Recording, Served, Sink};
 use graintwin::wall;
@@ -249,6 +249,8 @@ fn expected_measures(measures: &Measures) -> Vec<Value> {
         ),
     ));
     messages.push(message("fabric", &merged(common("pack"), expected_fabric(measures))));
+    messages.push(message("bonds", &merged(common("pack"), expected_bonds(measures))));
+    messages.push(message("cracks", &merged(common("pack"), expected_cracks(measures))));
     for event in &measures.events {
         messages.push(message(
             "events",
@@ -308,6 +310,55 @@ fn expected_measures(measures: &Measures) -> Vec<Value> {
         ));
     }
     messages
+}
+
+/// The bonds, whole.
+fn expected_bonds(measures: &Measures) -> Value {
+    let bonds = measures.bonds.as_ref().unwrap();
+    json!({
+        "chunk": 0,
+        "chunk_count": 1,
+        "tensile_strength": bonds.tensile_strength,
+        "shear_strength": number(bonds.shear_strength),
+        "first": bonds.first,
+        "second": bonds.second,
+        "condition": bonds.condition,
+        "share": bonds.share,
+        "radius": bonds.radius,
+        "position": bonds.position,
+        "normal": bonds.normal,
+        "normal_force": bonds.normal_force,
+        "tangential_force": bonds.tangential_force,
+        "torsion": bonds.torsion,
+        "strength_use": bonds.strength_use,
+    })
+}
+
+/// The cracks, field by field.
+fn expected_cracks(measures: &Measures) -> Value {
+    let cracks = measures.cracks.as_ref().unwrap();
+    let each = |of: &dyn Fn(&Crack) -> Value| cracks.list.iter().map(of).collect::<Value>();
+    let vectors = |of: fn(&Crack) -> [f64; 3]| cracks.list.iter().flat_map(of).collect::<Value>();
+    json!({
+        "chunk": 0,
+        "chunk_count": 1,
+        "intact": cracks.intact,
+        "broken_by_tension": cracks.tension,
+        "broken_by_shear": cracks.shear,
+        "first": each(&|crack| crack.first.into()),
+        "second": each(&|crack| crack.second.into()),
+        "mode": each(&|crack| (crack.mode as u8).into()),
+        "substep": each(&|crack| crack.substep.into()),
+        "position": vectors(|crack| crack.position),
+        "normal": vectors(|crack| crack.normal),
+        "normal_force": each(&|crack| crack.normal_force.into()),
+        "tangential_force": each(&|crack| crack.tangential_force.into()),
+        "torsion": each(&|crack| crack.torsion.into()),
+        "overload": each(&|crack| crack.overload.into()),
+        "stress_before": each(&|crack| crack.stress_before.into()),
+        "stress_after": each(&|crack| crack.stress_after.into()),
+        "energy_released": each(&|crack| crack.energy_released.into()),
+    })
 }
 
 /// The statistics of the force network, flat.
@@ -379,9 +430,11 @@ fn two_independent_readers_find_every_field_of_every_message() {
         topics,
         [
             "/diagnostics",
+            "/graintwin/bonds",
             "/graintwin/boundary_command",
             "/graintwin/circumstance",
             "/graintwin/contact_network",
+            "/graintwin/cracks",
             "/graintwin/discrepancy",
             "/graintwin/events",
             "/graintwin/fabric",

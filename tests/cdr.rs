@@ -10,17 +10,18 @@ use std::fmt::Debug;
 use std::path::Path;
 
 use graintwin::msg::cdr::{self, CdrError};
-use graintwin::msg::convert::LIVE_GRAINS;
+use graintwin::msg::convert::{LIVE_BONDS, LIVE_GRAINS};
 use graintwin::msg::picture::{
     ColorRGBA, CompressedImage, Marker, MarkerArray, MeshFile, Point, PointCloud2, PointField,
     Pose, UVCoordinate,
 };
 use graintwin::msg::{
-    BoundaryCommand, Circumstance, Clock, ContactNetwork, Described, DiagnosticArray,
-    DiagnosticStatus, Discrepancy, Dissociation, Duration, Event, Fabric, GrainMotion, Header,
-    Hydrate, JointState, JointTrajectory, JointTrajectoryPoint, KeyValue, Moduli, PackState,
-    Quaternion, Rearrangement, Report, Snapshot, TFMessage, Tangent, TangentModuli, Time,
-    Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench, WrenchStamped,
+    Bonds, BoundaryCommand, Circumstance, Clock, ContactNetwork, Cracks, Described,
+    DiagnosticArray, DiagnosticStatus, Discrepancy, Dissociation, Duration, Event, Fabric,
+    GrainMotion, Header, Hydrate, JointState, JointTrajectory, JointTrajectoryPoint, KeyValue,
+    Moduli, PackState, Quaternion, Rearrangement, Report, Snapshot, TFMessage, Tangent,
+    TangentModuli, Time, Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench,
+    WrenchStamped,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -212,6 +213,55 @@ fn fabric() -> Fabric {
     }
 }
 
+fn bonds(count: u32) -> Bonds {
+    let values = |count: u32| (0..count).map(|i| f64::from(i) / 7.0).collect();
+    Bonds {
+        header: header("pack"),
+        increment: 9,
+        chunk: 2,
+        chunk_count: 3,
+        tensile_strength: 2e6,
+        shear_strength: 5e6,
+        first: (0..count).collect(),
+        second: (0..count).map(|i| u32::MAX - i).collect(),
+        condition: (0..count).map(|i| (i % 3) as u8).collect(),
+        share: values(count),
+        radius: values(count),
+        position: values(3 * count),
+        normal: values(3 * count),
+        normal_force: values(count),
+        tangential_force: values(3 * count),
+        torsion: values(count),
+        strength_use: values(count),
+    }
+}
+
+fn cracks(count: u32) -> Cracks {
+    let values = |count: u32| (0..count).map(|i| f64::from(i) / 7.0).collect();
+    Cracks {
+        header: header("pack"),
+        increment: 1 << 40,
+        chunk: 0,
+        chunk_count: 1,
+        intact: 10,
+        broken_by_tension: 11,
+        broken_by_shear: u32::MAX,
+        first: (0..count).collect(),
+        second: (0..count).map(|i| u32::MAX - i).collect(),
+        mode: (0..count).map(|i| 1 + (i % 2) as u8).collect(),
+        substep: (0..count).map(|i| i / 3).collect(),
+        position: values(3 * count),
+        normal: values(3 * count),
+        normal_force: values(count),
+        tangential_force: values(count),
+        torsion: values(count),
+        overload: values(count),
+        stress_before: values(count),
+        stress_after: values(count),
+        energy_released: values(count),
+    }
+}
+
 fn joint_trajectory() -> JointTrajectory {
     let point = |sec, positions: &[f64]| JointTrajectoryPoint {
         positions: positions.into(),
@@ -397,6 +447,8 @@ fn bytes_hashes_and_definitions_are_those_of_an_independent_implementation() {
     for contacts in [0, 1, 2, 5] {
         exchange.add(contact_network(contacts));
         exchange.add(grain_motion(contacts));
+        exchange.add(bonds(contacts));
+        exchange.add(cracks(contacts));
     }
     for text in ["", "1", "12", "123", "1234"] {
         exchange.add(report(text));
@@ -504,6 +556,16 @@ fn a_live_chunk_of_a_motion_fits_into_a_sample() {
     let mut bytes = Vec::new();
     cdr::encode(&GrainMotion { rotation, ..grain_motion(grains) }, &mut bytes).unwrap();
     assert!((54_000..60_000).contains(&bytes.len()), "{}", bytes.len());
+}
+
+/// As above.
+#[test]
+fn live_chunks_of_bonds_and_cracks_fit_into_a_sample() {
+    let mut bytes = Vec::new();
+    cdr::encode(&bonds(LIVE_BONDS as u32), &mut bytes).unwrap();
+    assert!((50_000..60_000).contains(&bytes.len()), "{}", bytes.len());
+    cdr::encode(&cracks(LIVE_BONDS as u32), &mut bytes).unwrap();
+    assert!((50_000..60_000).contains(&bytes.len()), "{}", bytes.len());
 }
 
 #[test]

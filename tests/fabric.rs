@@ -39,6 +39,7 @@ fn contact(normal: Vec3, force: f64, shear: Vec3, distance: f64) -> Contact {
         slides: false,
         slipped: false,
         distance,
+        cement: None,
     }
 }
 

@@ -18,13 +18,14 @@ use graintwin::msg::rcl::{Log, Parameter, ParameterEvent, ParameterValue};
 use graintwin::msg::rearrangement::{self, LIVE_CONTACTS, LIVE_GRAINS};
 use graintwin::msg::services::{SavePack, Service, SetBool, Trigger};
 use graintwin::msg::{
-    BoundaryCommand, Circumstance, Clock, ContactNetwork, Described, DiagnosticArray,
-    DiagnosticStatus, Discrepancy, Dissociation, Duration, Event, Fabric, GrainMotion, Header,
-    Hydrate, JointState, JointTrajectory, JointTrajectoryPoint, KeyValue, Moduli, PackState,
-    Quaternion, Rearrangement, Report, Snapshot, TFMessage, Tangent, TangentModuli, Time,
-    Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench, WrenchStamped, topics,
+    Bonds, BoundaryCommand, Circumstance, Clock, ContactNetwork, Cracks, Described,
+    DiagnosticArray, DiagnosticStatus, Discrepancy, Dissociation, Duration, Event, Fabric,
+    GrainMotion, Header, Hydrate, JointState, JointTrajectory, JointTrajectoryPoint, KeyValue,
+    Moduli, PackState, Quaternion, Rearrangement, Report, Snapshot, TFMessage, Tangent,
+    TangentModuli, Time, Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench,
+    WrenchStamped, topics,
 };
-use graintwin::report::{self, ContactState, EventEnd, EventKind, Measures};
+use graintwin::report::{self, BondCondition, ContactState, EventEnd, EventKind, Measures};
 use graintwin::wall::{self, WallTarget};
 use serde::de::DeserializeOwned;
 use shape::{Shape, shape_of};
@@ -91,6 +92,8 @@ fn every_struct_has_the_fields_of_its_text() {
     assert_same_fields::<GrainMotion>();
     assert_same_fields::<Report>();
     assert_same_fields::<Event>();
+    assert_same_fields::<Bonds>();
+    assert_same_fields::<Cracks>();
     assert_same_fields::<Fabric>();
     assert_same_fields::<Dissociation>();
     assert_same_fields::<Hydrate>();
@@ -182,6 +185,8 @@ fn every_message_text_is_built_by_the_package_and_has_a_struct() {
         GrainMotion::TYPE,
         Report::TYPE,
         Event::TYPE,
+        Bonds::TYPE,
+        Cracks::TYPE,
         Fabric::TYPE,
         Dissociation::TYPE,
         Hydrate::TYPE,
@@ -248,11 +253,25 @@ fn modes_and_contact_states_have_the_numbers_of_their_messages() {
     let controls = controls.map(|(name, target)| (name.to_owned(), target.numbers().0));
     let targets: Vec<_> = modes.iter().cloned().chain(controls).collect();
     assert_eq!(targets, constants::<WallTargets>());
-    let states =
-        [("STICK".into(), ContactState::Stick as u8), ("SLIDE".into(), ContactState::Slide as u8)];
-    assert_eq!(states.to_vec(), constants::<ContactNetwork>()[..2]);
-    let kind = ("STRESS_DROP".into(), EventKind::StressDrop as u8);
-    assert_eq!(kind, constants::<Event>()[0]);
+    let states = [
+        ("STICK".into(), ContactState::Stick as u8),
+        ("SLIDE".into(), ContactState::Slide as u8),
+        ("BONDED".into(), ContactState::Bonded as u8),
+        ("BROKEN".into(), ContactState::Broken as u8),
+    ];
+    assert_eq!(states.to_vec(), constants::<ContactNetwork>());
+    let kinds = [
+        ("STRESS_DROP".into(), EventKind::StressDrop as u8),
+        ("CONTACT_BREAK".into(), EventKind::ContactBreak as u8),
+    ];
+    assert_eq!(kinds.to_vec(), constants::<Event>());
+    let conditions = [
+        ("INTACT".into(), BondCondition::Intact as u8),
+        ("TENSION".into(), BondCondition::Tension as u8),
+        ("SHEAR".into(), BondCondition::Shear as u8),
+    ];
+    assert_eq!(conditions.to_vec(), constants::<Bonds>());
+    assert_eq!(conditions[1..].to_vec(), constants::<Cracks>());
     assert_eq!(constants::<Rearrangement>(), constants::<Event>());
     let ends = [("BEFORE".into(), EventEnd::Before as u8), ("AFTER".into(), EventEnd::After as u8)];
     assert_eq!(ends.to_vec(), constants::<Snapshot>());
@@ -374,6 +393,8 @@ fn measures(contacts: u32) -> Measures {
         motion: None,
         fabric: None,
         hydrate: None,
+        bonds: None,
+        cracks: None,
     }
 }
 
@@ -557,6 +578,126 @@ fn live_chunks_together_are_the_whole_motion() {
     }
 }
 
+/// So many bonds, every number another one.
+fn bonds(count: u32) -> report::Bonds {
+    let singles = |scale: f64| (0..count).map(|i| scale + f64::from(i)).collect::<Vec<f64>>();
+    let triples = |scale: f64| (0..3 * count).map(|i| scale + f64::from(i)).collect::<Vec<f64>>();
+    report::Bonds {
+        tensile_strength: 2e6,
+        shear_strength: f64::INFINITY,
+        first: (0..count).collect(),
+        second: (0..count).map(|i| u32::MAX - i % 6).collect(),
+        condition: (0..count).map(|i| (i % 3) as u8).collect(),
+        share: singles(1e4),
+        radius: singles(2e4),
+        position: triples(3e4),
+        normal: triples(4e4),
+        normal_force: singles(5e4),
+        tangential_force: triples(6e4),
+        torsion: singles(7e4),
+        strength_use: singles(8e4),
+    }
+}
+
+#[test]
+fn live_chunks_together_are_all_bonds() {
+    for count in [0, 1, 439, 440, 441, 1300] {
+        let told = bonds(count);
+        let measures = Measures { bonds: Some(told.clone()), ..measures(0) };
+        let chunks: Vec<_> = convert::bond_chunks(&measures, convert::LIVE_BONDS).collect();
+        assert_eq!(chunks.len() as u32, count.div_ceil(440).max(1));
+        for (number, chunk) in chunks.iter().enumerate() {
+            let numbers = (chunk.chunk as usize, chunk.chunk_count as usize);
+            assert_eq!(numbers, (number, chunks.len()));
+            assert_eq!([chunk.tensile_strength, chunk.shear_strength], [2e6, f64::INFINITY]);
+            assert!(chunk.first.len() <= 440);
+        }
+        let joined = report::Bonds {
+            tensile_strength: 2e6,
+            shear_strength: f64::INFINITY,
+            first: chunks.iter().flat_map(|chunk| chunk.first.clone()).collect(),
+            second: chunks.iter().flat_map(|chunk| chunk.second.clone()).collect(),
+            condition: chunks.iter().flat_map(|chunk| chunk.condition.clone()).collect(),
+            share: chunks.iter().flat_map(|chunk| chunk.share.clone()).collect(),
+            radius: chunks.iter().flat_map(|chunk| chunk.radius.clone()).collect(),
+            position: chunks.iter().flat_map(|chunk| chunk.position.clone()).collect(),
+            normal: chunks.iter().flat_map(|chunk| chunk.normal.clone()).collect(),
+            normal_force: chunks.iter().flat_map(|chunk| chunk.normal_force.clone()).collect(),
+            tangential_force: (chunks.iter().flat_map(|chunk| chunk.tangential_force.clone()))
+                .collect(),
+            torsion: chunks.iter().flat_map(|chunk| chunk.torsion.clone()).collect(),
+            strength_use: chunks.iter().flat_map(|chunk| chunk.strength_use.clone()).collect(),
+        };
+        assert_eq!(joined, told);
+        let whole = convert::whole_bonds(&measures).unwrap();
+        assert_eq!((whole.chunk, whole.chunk_count), (0, 1));
+        assert_eq!((whole.first, whole.strength_use), (told.first, told.strength_use));
+    }
+}
+
+/// The crack number `k` of an increment.
+fn crack(k: u32) -> report::Crack {
+    let number = |scale: f64| scale + f64::from(k);
+    report::Crack {
+        first: k,
+        second: u32::MAX - k % 6,
+        mode: if k.is_multiple_of(2) { BondCondition::Tension } else { BondCondition::Shear },
+        substep: k / 3,
+        position: [number(1e4), number(2e4), number(3e4)],
+        normal: [number(4e4), number(5e4), number(6e4)],
+        normal_force: -number(7e4),
+        tangential_force: number(8e4),
+        torsion: number(9e4),
+        overload: number(1e5),
+        stress_before: number(2e5),
+        stress_after: number(3e5),
+        energy_released: number(4e5),
+    }
+}
+
+#[test]
+fn live_chunks_together_are_all_cracks_in_their_order() {
+    for count in [0, 1, 440, 441, 1300] {
+        let list: Vec<report::Crack> = (0..count).map(crack).collect();
+        let told = report::Cracks { intact: 7, tension: 8, shear: 9, list };
+        let measures = Measures { cracks: Some(told.clone()), ..measures(0) };
+        let chunks: Vec<_> = convert::crack_chunks(&measures, convert::LIVE_BONDS).collect();
+        assert_eq!(chunks.len() as u32, count.div_ceil(440).max(1));
+        let mut k = 0;
+        for (number, chunk) in chunks.iter().enumerate() {
+            let numbers = (chunk.chunk as usize, chunk.chunk_count as usize);
+            assert_eq!(numbers, (number, chunks.len()));
+            let Cracks { intact, broken_by_tension, broken_by_shear, .. } = chunk;
+            assert_eq!([*intact, *broken_by_tension, *broken_by_shear], [7, 8, 9]);
+            for i in 0..chunk.first.len() {
+                let found = report::Crack {
+                    first: chunk.first[i],
+                    second: chunk.second[i],
+                    mode: match chunk.mode[i] {
+                        1 => BondCondition::Tension,
+                        2 => BondCondition::Shear,
+                        other => panic!("{other}"),
+                    },
+                    substep: chunk.substep[i],
+                    position: std::array::from_fn(|axis| chunk.position[3 * i + axis]),
+                    normal: std::array::from_fn(|axis| chunk.normal[3 * i + axis]),
+                    normal_force: chunk.normal_force[i],
+                    tangential_force: chunk.tangential_force[i],
+                    torsion: chunk.torsion[i],
+                    overload: chunk.overload[i],
+                    stress_before: chunk.stress_before[i],
+                    stress_after: chunk.stress_after[i],
+                    energy_released: chunk.energy_released[i],
+                };
+                assert_eq!(found, told.list[k]);
+                k += 1;
+            }
+        }
+        assert_eq!(k as u32, count);
+        assert_eq!(convert::whole_cracks(&measures).unwrap().first.len() as u32, count);
+    }
+}
+
 #[test]
 fn measures_nobody_asked_for_make_no_message() {
     let measures = Measures { network: None, ..measures(3) };
@@ -565,6 +706,8 @@ fn measures_nobody_asked_for_make_no_message() {
     assert_eq!(convert::moduli(&measures), None);
     assert_eq!(convert::whole_motion(&measures), None);
     assert_eq!(convert::fabric(&measures), None);
+    assert_eq!(convert::whole_bonds(&measures), None);
+    assert_eq!(convert::whole_cracks(&measures), None);
     assert_eq!(convert::tangent(&measures), None);
 }
 

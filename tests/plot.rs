@@ -29,7 +29,7 @@ fn every_sheet_is_well_formed_and_named_after_the_scene() {
     let (code, stdout, stderr) = plot(&[&bag]);
     assert_eq!(code, 0, "{stderr}");
     let files: Vec<&str> = stdout.lines().filter(|file| file.ends_with(".svg")).collect();
-    assert_eq!(files.len(), 14, "{stdout}");
+    assert_eq!(files.len(), 15, "{stdout}");
     for file in files {
         let text = fs::read_to_string(file).unwrap();
         let svg = roxmltree::Document::parse(&text).unwrap_or_else(|e| panic!("{file}: {e}"));
@@ -141,10 +141,10 @@ fn each_chart_is_there_as_svg_and_png_unless_one_is_asked_for() {
         ["both", "svg", "png", "again"].map(|name| folder.path().join(name));
     let files = of(&both, &[]);
     let count = |ending: &str| files.iter().filter(|file| file.ends_with(ending)).count();
-    assert_eq!((count(".svg"), count(".png"), files.len()), (14, 14, 28));
+    assert_eq!((count(".svg"), count(".png"), files.len()), (15, 15, 30));
     assert!(of(&svg, &["--format", "svg"]).iter().all(|file| file.ends_with(".svg")));
     let alone = of(&png, &["--format", "png"]);
-    assert_eq!(alone.len(), 14);
+    assert_eq!(alone.len(), 15);
     of(&again, &[]);
     for file in files {
         let name = Path::new(&file).file_name().unwrap();

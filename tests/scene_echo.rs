@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use graintwin::scene::{
-    self, Axis, Choice, ColorBy, Compression, Contact, Coulomb, Discovery, Fault, Friction,
-    Generate, Hydrate, Isotropic, Joint, JointStates, JointTrajectory, Late, Lateral, Law, Limits,
-    LoadPath, Material, MeasuredWrench, Method, ModuliKind, Moving, Node, Normal, Outputs,
-    PackSource, Polyaxial, Radius, Record, Repeat, RigLog, Scene, ServiceMapping, Solver, Step,
-    StrainUnit, Targets, Triaxial, Uniaxial, Unload, Update, View, WallName, Walls, WallsStep,
-    When, Zero, prepare,
+    self, Axis, Cement, CementLaw, CementStrength, Choice, ColorBy, Compression, Contact, Coulomb,
+    Discovery, Exponential, Fault, Friction, Generate, Hydrate, Isotropic, Joint, JointStates,
+    JointTrajectory, Late, Lateral, Law, Limits, LoadPath, Material, MeasuredWrench, Method,
+    ModuliKind, Moving, Node, Normal, Outputs, PackSource, Parallel, Polyaxial, Power, Radius,
+    Record, Repeat, RigLog, Scene, ServiceMapping, Solution, Solver, Step, StrainUnit, Targets,
+    Triaxial, Uniaxial, Unload, Update, View, WallName, Walls, WallsStep, When, Zero, prepare,
 };
 use graintwin::wall::Bounds;
 use graintwin::wall::WallTarget;
@@ -96,6 +96,29 @@ fn friction() -> impl Strategy<Value = Friction> {
         update,
     });
     prop_oneof![Just(Friction::None), coulomb.prop_map(Friction::Coulomb)]
+}
+
+fn normal() -> impl Strategy<Value = Normal> {
+    let [a, b] = [positive(), positive()];
+    let law = prop_oneof![
+        Just(CementLaw::Fixed),
+        Just(CementLaw::LinearElastic),
+        positive().prop_map(|gamma| CementLaw::Exponential(Exponential { gamma })),
+        (a, b).prop_map(|(eta, omega)| CementLaw::Power(Power { eta, omega })),
+        (positive(), positive(), positive(), positive()).prop_map(|of| {
+            let (young, shear, radius_ratio, length_ratio) = of;
+            CementLaw::Parallel(Parallel { young, shear, radius_ratio, length_ratio })
+        }),
+    ];
+    let strength = || prop_oneof![positive(), Just(f64::INFINITY)];
+    let strength =
+        (strength(), strength()).prop_map(|(tension, shear)| CementStrength { tension, shear });
+    let cement = (law, positive(), 0.0..=1.0, 0.0..=1.0, any::<bool>(), option::of(strength));
+    let cement = cement.prop_map(|(law, kappa, partial_slip, bridge, walls, strength)| {
+        let solution = Solution::default();
+        Normal::Cement(Cement { law, kappa, partial_slip, bridge, walls, solution, strength })
+    });
+    prop_oneof![Just(Normal::Hertz), cement]
 }
 
 fn pack() -> impl Strategy<Value = PackSource> {
@@ -314,10 +337,11 @@ fn service() -> impl Strategy<Value = (Outputs, Node, Record)> {
         ModuliKind::Both,
         ModuliKind::None,
     ]);
-    let measures = (when.clone(), when.clone(), when.clone(), when.clone());
+    let cement = (when.clone(), when.clone());
+    let measures = (when.clone(), when.clone(), when.clone(), when.clone(), cement);
     let outputs = (when.clone(), when, moduli, measures, 1e-9..1.0);
     let outputs = outputs.prop_map(|(contact_network, markers, moduli, measures, chain_share)| {
-        let (grain_motion, fabric, rearrangements, snapshots) = measures;
+        let (grain_motion, fabric, rearrangements, snapshots, (bonds, cracks)) = measures;
         Outputs {
             contact_network,
             markers,
@@ -327,6 +351,8 @@ fn service() -> impl Strategy<Value = (Outputs, Node, Record)> {
             chain_share,
             rearrangements,
             snapshots,
+            bonds,
+            cracks,
         }
     });
     let kind = prop::sample::select(vec![Compression::Zstd, Compression::Lz4, Compression::None]);
@@ -357,11 +383,8 @@ fn scene() -> impl Strategy<Value = Scene> {
     let walls = (positive(), -0.999..0.499, option::of(coefficient()), targets()).prop_map(
         |(young, poisson, friction, targets)| Walls { young, poisson, friction, targets },
     );
-    let contact = (friction(), any::<bool>()).prop_map(|(friction, torsion)| Contact {
-        normal: Normal::Hertz,
-        friction,
-        torsion,
-    });
+    let contact = (normal(), friction(), any::<bool>())
+        .prop_map(|(normal, friction, torsion)| Contact { normal, friction, torsion });
     let laws = (walls, contact, prop::array::uniform3(-1e3..1e3), option::of(bounds()));
     let path = prop::collection::vec(step(), 0..4);
     (word(), materials, laws, pack(), solver(), path, (service(), view())).prop_map(

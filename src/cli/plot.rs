@@ -11,11 +11,11 @@ use graintwin::view::{self, History, Sheet};
 use super::{Failure, Outcome, output};
 
 /// Draws a recording: stresses, volume change, moduli, coordination, friction, energies, contact
-/// forces, their directions and chains, motion of the grains and solver effort, as SVG and PNG.
+/// forces, their directions and chains, motion of the grains, cracks and solver effort, as SVG and PNG.
 ///
 /// Writes overview with the four most telling charts, and stress_strain, stress_path,
 /// volume_change, wall_forces, moduli, coordination, friction, energy, effort, forces, fabric,
-/// network, hydrate and motion, and prints the names of the files. Charts bear the name of the scene and the
+/// network, hydrate, motion and cement, and prints the names of the files. Charts bear the name of the scene and the
 /// units of their axes. What the recording does not hold is left out, and so is friction where no
 /// contact carried any. A damaged recording is drawn as far as it can be read, and the exit code is
 /// 3.

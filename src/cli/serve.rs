@@ -177,6 +177,8 @@ pub(super) fn ordered(outputs: Outputs, wanted: Demand) -> Demand {
         hydrate: wanted.hydrate,
         rearrangements: when(outputs.rearrangements, wanted.rearrangements),
         snapshots: when(outputs.snapshots, wanted.snapshots),
+        bonds: when(outputs.bonds, wanted.bonds),
+        cracks: when(outputs.cracks, wanted.cracks),
     }
 }
 

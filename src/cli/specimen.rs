@@ -3,7 +3,7 @@
 use indicatif::MultiProgress;
 
 use graintwin::pack::prepare::{Reached, prepare};
-use graintwin::pack::{self, History, Pack, PackError};
+use graintwin::pack::{self, History, Kept, Pack, PackError};
 use graintwin::scene::Loaded;
 
 use super::Failure;
@@ -73,7 +73,16 @@ pub(super) fn preparation(prepared: &[Reached]) -> String {
 pub(super) fn history(history: Option<&History>) -> String {
     let Some(history) = history else { return "history         none\n".into() };
     let (contacts, sliding) = (history.contacts.len(), history.sliding());
-    format!("history         {contacts} contacts, of which {sliding} slid last\n")
+    let mut text = format!("history         {contacts} contacts, of which {sliding} slid last\n");
+    let [intact, tension, shear] = [Kept::Intact, Kept::Tension, Kept::Shear]
+        .map(|kept| history.bonds.iter().filter(|bond| bond.condition == kept).count());
+    if intact + tension + shear > 0 {
+        text.push_str(&format!(
+            "cement          {intact} bonds, beside {tension} that broke by tension and {shear} by \
+             shear\n"
+        ));
+    }
+    text
 }
 
 /// What of a pack is hydrate, a line when something is.

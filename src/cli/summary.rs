@@ -12,7 +12,8 @@ use graintwin::command::Disposition;
 use graintwin::measure::coordination::Histograms;
 use graintwin::pack::prepare::Reached;
 use graintwin::report::{
-    Demand, Event, Fabric, Hydrate, Localisation, Measures, Moduli, PackState, Tangent, WallForces,
+    Demand, Event, EventKind, Fabric, Hydrate, Localisation, Measures, Moduli, PackState, Tangent,
+    WallForces,
 };
 use graintwin::scene::{Friction, Loaded, Outputs, When};
 use graintwin::sink::{Served, Sink};
@@ -70,6 +71,8 @@ pub(super) struct Summary {
     grain_motion: Option<Localisation>,
     /// Statistics of the force network at the end.
     fabric: Option<Fabric>,
+    /// What became of the cement; nothing without any.
+    cement: Option<Cement>,
     /// The initial equilibrium.
     start: Option<Moment>,
     /// The last one.
@@ -89,6 +92,19 @@ struct Moment {
     /// When the pack has hydrate.
     #[serde(skip_serializing_if = "Option::is_none")]
     hydrate: Option<Hydrate>,
+}
+
+/// The bonds at the end, and what broke in this run.
+#[derive(Debug, Serialize)]
+struct Cement {
+    bonds: u32,
+    intact: u32,
+    broken_by_tension: u32,
+    broken_by_shear: u32,
+    /// Bonds that broke in the increments of this run.
+    cracks: u64,
+    /// Energy that was lost with them \[J\].
+    broken_energy: f64,
 }
 
 /// One event and when it was.
@@ -131,6 +147,7 @@ impl Summary {
             coordination: Histograms::default(),
             grain_motion: None,
             fabric: None,
+            cement: None,
             start: None,
             end: None,
         }
@@ -152,6 +169,17 @@ impl Summary {
         self.coordination = twin.coordination();
         self.grain_motion = twin.motion().map(|motion| motion.localisation);
         self.fabric = (outputs.fabric != When::Never).then(|| twin.fabric());
+        let broke = |one: &&Happened| one.event.kind == EventKind::ContactBreak;
+        let cracks = self.events.iter().filter(broke).count() as u64;
+        let broken_energy = self.end.as_ref().and_then(|end| end.state).map(|s| s.broken_energy);
+        self.cement = twin.cracks().map(|bonds| Cement {
+            bonds: bonds.bonds(),
+            intact: bonds.intact,
+            broken_by_tension: bonds.tension,
+            broken_by_shear: bonds.shear,
+            cracks,
+            broken_energy: broken_energy.unwrap_or_default(),
+        });
     }
 
     /// Takes what the node and the rig did.

@@ -13,18 +13,23 @@ use crate::measure::contacts::{Contact, Contacts};
 use crate::measure::{coordination, stress};
 use crate::model::Model;
 use crate::report::Fabric;
-use crate::state::State;
+use crate::state::{Condition, State};
 
 /// The statistics of `contacts`, which are those of `state`; `share` of them, those with the
-/// largest normal forces, make the force chains (τ_FC of T 2.7.4.1).
+/// largest normal forces, make the force chains (τ_FC of T 2.7.4.1). Where cement pulls, it is a share
+/// of those that press.
 #[must_use]
 pub fn fabric(model: &Model, state: &State, contacts: &Contacts, share: f64) -> Fabric {
     let counted: Vec<&Contact> = contacts.counted().collect();
     let is_between_grains = |contact: &&Contact| matches!(contact.second, Other::Grain(_));
     let inner: Vec<&Contact> = counted.iter().copied().filter(is_between_grains).collect();
     let mean = |sum: f64| if counted.is_empty() { 0.0 } else { sum / counted.len() as f64 };
-    let mean_normal_force = mean(counted.iter().map(|contact| contact.force).sum());
-    let chains = chains::chains(model.len(), &counted, share);
+    // Cement pulls too, and does not slide.
+    let mean_normal_force = mean(counted.iter().map(|contact| contact.force.abs()).sum());
+    let pressing: Vec<&Contact> = counted.iter().copied().filter(|one| one.force > 0.0).collect();
+    let rubbing: Vec<&Contact> =
+        counted.iter().copied().filter(|one| one.cement != Some(Condition::Intact)).collect();
+    let chains = chains::chains(model.len(), &pressing, share);
     let stress = stress::from_contacts(&contacts.list, &state.bounds(model));
     let numbers = coordination::numbers(model, counted.iter().copied());
     Fabric {
@@ -39,7 +44,7 @@ pub fn fabric(model: &Model, state: &State, contacts: &Contacts, share: f64) -> 
         mobilised_histogram: model.friction.as_ref().map_or_else(Vec::new, |friction| {
             let limit =
                 |contact: &Contact| friction.between(contact.first, contact.second) * contact.force;
-            distribution::mobilised(&counted, limit)
+            distribution::mobilised(&rubbing, limit)
         }),
         coordination: coordination::histograms(model, state, &numbers),
     }

@@ -9,10 +9,10 @@ use super::rcl::{Log, ParameterEvent};
 use super::rearrangement::{self, Rearrangement, Snapshot};
 use super::topics::{self, Topic};
 use super::{
-    BoundaryCommand, Circumstance, ContactNetwork, Described, DiagnosticArray, Discrepancy,
-    Dissociation, Event, Fabric, GrainMotion, Hydrate, JointState, JointTrajectory, MarkerArray,
-    MessageType, Moduli, PackState, PointCloud2, Report, TFMessage, Tangent, WallForces,
-    WallTargets, WrenchStamped,
+    Bonds, BoundaryCommand, Circumstance, ContactNetwork, Cracks, Described, DiagnosticArray,
+    Discrepancy, Dissociation, Event, Fabric, GrainMotion, Hydrate, JointState, JointTrajectory,
+    MarkerArray, MessageType, Moduli, PackState, PointCloud2, Report, TFMessage, Tangent,
+    WallForces, WallTargets, WrenchStamped,
 };
 use crate::command::Stamp;
 use crate::report::Measures;
@@ -107,6 +107,14 @@ fn each_measure<E>(
     if let Some(hydrate) = convert::hydrate(measures) {
         give(&topics::HYDRATE, &hydrate)?;
     }
+    if wants(&topics::BONDS)
+        && let Some(bonds) = convert::whole_bonds(measures)
+    {
+        give(&topics::BONDS, &bonds)?;
+    }
+    if let Some(cracks) = convert::whole_cracks(measures) {
+        give(&topics::CRACKS, &cracks)?;
+    }
     for event in convert::events(measures) {
         give(&topics::EVENTS, &event)?;
     }
@@ -181,7 +189,7 @@ macro_rules! outgoing {
 outgoing!(header of BoundaryCommand, WallTargets, Circumstance, Report, WallForces, WrenchStamped,
     JointState, JointTrajectory, PackState, Moduli, ContactNetwork, GrainMotion, Event, Discrepancy, Fabric, Tangent,
     DiagnosticArray, PointCloud2);
-outgoing!(header of Rearrangement, Snapshot, Dissociation, Hydrate);
+outgoing!(header of Rearrangement, Snapshot, Dissociation, Hydrate, Bonds, Cracks);
 outgoing!(Log: |message| message.stamp.into(), ParameterEvent: |message| message.stamp.into());
 outgoing!(TFMessage: |message| {
     message.transforms.first().map(|first| first.header.stamp.into()).unwrap_or_default()

@@ -1,7 +1,9 @@
 //! From the twin's commands and reports to messages, and back for commands.
 
+mod cement;
 mod motion;
 
+pub use cement::{LIVE_BONDS, bond_chunks, crack_chunks, whole_bonds, whole_cracks};
 pub use motion::{LIVE_GRAINS, motion_chunks, whole_motion};
 
 mod fabric;

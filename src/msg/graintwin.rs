@@ -1,5 +1,7 @@
 //! The messages of the package `graintwin_msgs`; units, signs and meanings are in its texts.
 
+mod cement;
+
 mod grain_motion;
 
 mod fabric;
@@ -10,6 +12,7 @@ mod tangent;
 
 use serde::{Deserialize, Serialize};
 
+pub use cement::{Bonds, Cracks};
 pub use grain_motion::GrainMotion;
 
 use super::schema::describe;

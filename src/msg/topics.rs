@@ -4,9 +4,10 @@ use super::rcl::{Log, ParameterEvent};
 use super::rearrangement::{Rearrangement, Snapshot};
 use super::schema::{Described, MessageType};
 use super::{
-    BoundaryCommand, Circumstance, ContactNetwork, DiagnosticArray, Discrepancy, Dissociation,
-    Event, Fabric, GrainMotion, Hydrate, JointState, JointTrajectory, MarkerArray, Moduli,
-    PackState, PointCloud2, Report, TFMessage, Tangent, WallForces, WallTargets, WrenchStamped,
+    Bonds, BoundaryCommand, Circumstance, ContactNetwork, Cracks, DiagnosticArray, Discrepancy,
+    Dissociation, Event, Fabric, GrainMotion, Hydrate, JointState, JointTrajectory, MarkerArray,
+    Moduli, PackState, PointCloud2, Report, TFMessage, Tangent, WallForces, WallTargets,
+    WrenchStamped,
 };
 use crate::wall;
 
@@ -150,6 +151,11 @@ pub static FABRIC: Topic = Topic::new("fabric", Fabric::TYPE, 64);
 /// Out: [`Hydrate`], when the pack has hydrate.
 pub static HYDRATE: Topic = Topic::new("hydrate", Hydrate::TYPE, 64);
 
+/// Out: [`Bonds`], where there is cement.
+pub static BONDS: Topic = Topic::new("bonds", Bonds::TYPE, 64);
+/// Out: [`Cracks`], where there is cement.
+pub static CRACKS: Topic = Topic::new("cracks", Cracks::TYPE, 64);
+
 /// Out: [`Event`], one message an event.
 pub static EVENTS: Topic = Topic::new("events", Event::TYPE, 64);
 /// Out: [`Rearrangement`], one message an event, or its chunks.
@@ -190,6 +196,8 @@ pub fn measures() -> impl Iterator<Item = &'static Topic> {
         &GRAIN_MOTION,
         &FABRIC,
         &HYDRATE,
+        &BONDS,
+        &CRACKS,
         &EVENTS,
         &REARRANGEMENTS,
         &SNAPSHOTS,

@@ -12,10 +12,10 @@ use super::names::Identity;
 use super::services::Services;
 use super::{NodeError, clock, mapping};
 use crate::msg::{
-    BoundaryCommand, Clock, ContactNetwork, DiagnosticArray, Discrepancy, Dissociation, Event,
-    Fabric, GrainMotion, Hydrate, JointState, JointTrajectory, MarkerArray, Moduli, PackState,
-    PointCloud2, Rearrangement, Report, TFMessage, Tangent, Topic, WallForces, WallTargets,
-    WrenchStamped, topics,
+    Bonds, BoundaryCommand, Clock, ContactNetwork, Cracks, DiagnosticArray, Discrepancy,
+    Dissociation, Event, Fabric, GrainMotion, Hydrate, JointState, JointTrajectory, MarkerArray,
+    Moduli, PackState, PointCloud2, Rearrangement, Report, TFMessage, Tangent, Topic, WallForces,
+    WallTargets, WrenchStamped, topics,
 };
 use crate::{scene, wall};
 
@@ -39,6 +39,8 @@ pub(super) struct Endpoints {
     pub events: Out<Event>,
     pub fabric: Out<Fabric>,
     pub hydrate: Out<Hydrate>,
+    pub bonds: Out<Bonds>,
+    pub cracks: Out<Cracks>,
     pub rearrangements: Out<Rearrangement>,
     pub report: Out<Report>,
     /// When load cells are mapped.
@@ -135,6 +137,8 @@ impl Endpoints {
             events: Out::new(&mut node, identity, &topics::EVENTS)?,
             fabric: Out::new(&mut node, identity, &topics::FABRIC)?,
             hydrate: Out::new(&mut node, identity, &topics::HYDRATE)?,
+            bonds: Out::new(&mut node, identity, &topics::BONDS)?,
+            cracks: Out::new(&mut node, identity, &topics::CRACKS)?,
             rearrangements: Out::new(&mut node, identity, &topics::REARRANGEMENTS)?,
             report: Out::new(&mut node, identity, &topics::REPORT)?,
             discrepancy: cells
@@ -168,6 +172,8 @@ impl Endpoints {
             self.events.listeners(self),
             self.fabric.listeners(self),
             self.hydrate.listeners(self),
+            self.bonds.listeners(self),
+            self.cracks.listeners(self),
             self.rearrangements.listeners(self),
             self.report.listeners(self),
         ]);

@@ -1,4 +1,4 @@
-//! Contact networks and motions of the grains on their way to their topics: in chunks, no faster
+//! Contact networks, bonds and motions of the grains on their way to their topics: in chunks, no faster
 //! than the network takes them, and left out when too many wait.
 
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use tokio::time::{Instant, sleep_until};
 
 use super::counters::Counters;
 use super::endpoints::Endpoints;
-use crate::msg::convert::{self, LIVE_CHUNK, LIVE_GRAINS};
+use crate::msg::convert::{self, LIVE_BONDS, LIVE_CHUNK, LIVE_GRAINS};
 use crate::report::Measures;
 use crate::sink::Served;
 
@@ -27,7 +27,10 @@ const CONTACT: usize = 2 * 4 + 8 * 8 + 1;
 /// Bytes of one grain in a message: four vectors, three floats, a flag.
 const GRAIN: usize = (4 * 3 + 3) * 8 + 1;
 
-/// Bytes of a message around its contacts or grains, at most: header, lengths, numbers of the whole,
+/// Bytes of one bond in a message: two indices, a condition, fourteen floats.
+const BOND: usize = 2 * 4 + 1 + 14 * 8;
+
+/// Bytes of a message around its contacts, bonds or grains, at most: header, lengths, numbers of the whole,
 /// padding, datagram.
 const ENVELOPE: usize = 512;
 
@@ -39,6 +42,7 @@ const ROOM: usize = 64 * 1024;
 enum Large {
     Network,
     Motion,
+    Bonds,
 }
 
 impl Large {
@@ -47,12 +51,17 @@ impl Large {
         match self {
             Self::Network => Some(contacts(measures.network.as_ref()?.first.len())),
             Self::Motion => Some(grains(measures.motion.as_ref()?.carries.len())),
+            Self::Bonds => Some(bonds(measures.bonds.as_ref()?.first.len())),
         }
     }
 }
 
 fn contacts(count: usize) -> usize {
     count * CONTACT + ENVELOPE
+}
+
+fn bonds(count: usize) -> usize {
+    count * BOND + ENVELOPE
 }
 
 fn grains(count: usize) -> usize {
@@ -72,6 +81,7 @@ impl Frame {
         match self.large {
             Large::Network => endpoints.contact_network.has_listener(endpoints),
             Large::Motion => endpoints.grain_motion.has_listener(endpoints),
+            Large::Bonds => endpoints.bonds.has_listener(endpoints),
         }
     }
 }
@@ -89,7 +99,8 @@ impl Frames {
 
     /// What of `served` goes out in chunks as frames, as far as there is room.
     pub(super) fn take(&self, served: &Arc<Served>) -> impl Iterator<Item = Frame> {
-        [Large::Network, Large::Motion].into_iter().filter_map(|large| self.frame(large, served))
+        let all = [Large::Network, Large::Motion, Large::Bonds];
+        all.into_iter().filter_map(|large| self.frame(large, served))
     }
 
     fn frame(&self, large: Large, served: &Arc<Served>) -> Option<Frame> {
@@ -132,6 +143,14 @@ pub(super) async fn send(
                     pace.wait().await;
                     let bytes = grains(chunk.carries.len());
                     whole &= endpoints.grain_motion.publish(chunk).await;
+                    pace.sent(bytes);
+                }
+            }
+            Large::Bonds => {
+                for chunk in convert::bond_chunks(measures, LIVE_BONDS) {
+                    pace.wait().await;
+                    let bytes = bonds(chunk.first.len());
+                    whole &= endpoints.bonds.publish(chunk).await;
                     pace.sent(bytes);
                 }
             }

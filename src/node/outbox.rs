@@ -15,10 +15,11 @@ use super::discrepancy::Comparison;
 use super::endpoints::Endpoints;
 use super::frames::{Frame, Frames};
 use super::pictures::{Easel, Picture};
+use crate::msg::convert::LIVE_BONDS;
 use crate::msg::rearrangement::{self, LIVE_CONTACTS, LIVE_GRAINS, Rearrangement};
 use crate::msg::{
-    Discrepancy, Event, Fabric, Hydrate, JointState, Moduli, PackState, Report, TFMessage, Tangent,
-    WallForces, WrenchStamped, convert,
+    Cracks, Discrepancy, Event, Fabric, Hydrate, JointState, Moduli, PackState, Report, TFMessage,
+    Tangent, WallForces, WrenchStamped, convert,
 };
 use crate::report::Demand;
 use crate::scene::{ModuliKind, Outputs, When};
@@ -56,6 +57,7 @@ pub(super) enum Outgoing {
     Event(Event),
     Fabric(Box<Fabric>),
     Hydrate(Hydrate),
+    Cracks(Box<Cracks>),
     Rearrangement(Rearrangement),
     Report(Report),
     Discrepancy(Discrepancy),
@@ -105,6 +107,8 @@ impl NodeSink {
             messages.extend(convert::fabric(measures).map(|one| Outgoing::Fabric(Box::new(one))));
             messages.extend(convert::hydrate(measures).map(Outgoing::Hydrate));
             messages.extend(convert::tangent(measures).map(Box::new).map(Outgoing::Tangent));
+            let cracks = convert::crack_chunks(measures, LIVE_BONDS);
+            messages.extend(cracks.map(Box::new).map(Outgoing::Cracks));
             messages.extend(convert::events(measures).map(Outgoing::Event));
             let chunks = rearrangement::chunks(measures, LIVE_GRAINS, LIVE_CONTACTS);
             messages.extend(chunks.map(Outgoing::Rearrangement));
@@ -135,6 +139,7 @@ impl Sink for NodeSink {
         };
         let Outputs { contact_network, grain_motion, markers, fabric, rearrangements, .. } =
             self.outputs;
+        let Outputs { bonds, cracks, .. } = self.outputs;
         // The markers show the state and the contacts too.
         let marked =
             self.draws && when(markers, |endpoints| endpoints.markers.has_listener(endpoints));
@@ -158,6 +163,9 @@ impl Sink for NodeSink {
             }),
             // Recorded only.
             snapshots: false,
+            bonds: when(bonds, |endpoints| endpoints.bonds.has_listener(endpoints))
+                || marked && bonds != When::Never,
+            cracks: when(cracks, |endpoints| endpoints.cracks.has_listener(endpoints)),
         }
     }
 
@@ -255,6 +263,7 @@ impl Outbox {
             Outgoing::Event(_) => endpoints.events.has_listener(endpoints),
             Outgoing::Hydrate(_) => endpoints.hydrate.has_listener(endpoints),
             Outgoing::Fabric(_) => endpoints.fabric.has_listener(endpoints),
+            Outgoing::Cracks(_) => endpoints.cracks.has_listener(endpoints),
             Outgoing::Rearrangement(_) => endpoints.rearrangements.has_listener(endpoints),
             Outgoing::Report(_) => endpoints.report.has_listener(endpoints),
             Outgoing::Discrepancy(_) => {
@@ -277,6 +286,7 @@ impl Outbox {
             Outgoing::Event(message) => endpoints.events.publish(message).await,
             Outgoing::Hydrate(message) => endpoints.hydrate.publish(message).await,
             Outgoing::Fabric(message) => endpoints.fabric.publish(*message).await,
+            Outgoing::Cracks(message) => endpoints.cracks.publish(*message).await,
             Outgoing::Rearrangement(message) => endpoints.rearrangements.publish(message).await,
             Outgoing::Report(message) => endpoints.report.publish(message).await,
             Outgoing::Discrepancy(message) => match &endpoints.discrepancy {

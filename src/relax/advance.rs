@@ -1,8 +1,11 @@
 //! One load increment: walls to a target, in sub-increments that the pack can follow.
 
-use crate::measure::walls;
+use crate::Vec3;
+use crate::contact::Other;
+use crate::measure::contacts::{Contact, Contacts};
+use crate::measure::{stress, walls};
 use crate::model::Model;
-use crate::relax::breakage::{self, Crack};
+use crate::relax::breakage::{self, Crack, Relaxed};
 use crate::relax::jump::{Carried, Jump};
 use crate::relax::servo::{self, Drive};
 use crate::relax::tangential::Changes;
@@ -156,6 +159,7 @@ pub fn advance(
             if attempt == HALVINGS {
                 state.copy_from(&start);
                 so_far.jumps.clear();
+                so_far.cracks.clear();
                 return so_far;
             }
             share *= 0.5;
@@ -200,8 +204,10 @@ fn crack(
     forces: &mut [f64; wall::COUNT],
 ) -> bool {
     let cracks = so_far.cracks.len();
-    while let Some((place, crack)) = breakage::weakest(model, state) {
+    while let Some((place, mut crack)) = breakage::weakest(model, state) {
+        let stored = so_far.outcome.sums.energy + state.friction.stored;
         let had = so_far.outcome.sums.energy + ledger(state);
+        let start = Ends::of(model, state, work, &crack);
         breakage::break_bond(state, place, crack.mode);
         work.begin(model, state);
         work.jumps.clear();
@@ -212,12 +218,25 @@ fn crack(
         if !outcome.status.is_equilibrium() {
             return false;
         }
-        so_far.cracks.push(crack);
-        so_far.jumps.append(&mut work.jumps);
         let changes = work.commit(model, state);
         so_far.count(changes);
-        // What is neither stored nor lost by slip was lost with the cement.
-        state.friction.broken += had - outcome.sums.energy - ledger(state);
+        // What is neither stored nor lost by slip or instabilities was lost with the cement.
+        let has = outcome.sums.energy + ledger(state);
+        let released = had - has - work.jumps.iter().map(Jump::released).sum::<f64>();
+        state.friction.broken += released;
+        let end = Ends::of(model, state, work, &crack);
+        crack.relaxed = Relaxed {
+            substep: so_far.substeps,
+            jumps: so_far.jumps.len() as u32,
+            stress: [start.stress, end.stress],
+            energy: stored,
+            released,
+            moved: [0, 1].map(|k| end.at[k] - start.at[k]),
+            turned: [0, 1].map(|k| end.turn[k] - start.turn[k]),
+            apart: end.apart,
+        };
+        so_far.cracks.push(crack);
+        so_far.jumps.append(&mut work.jumps);
     }
     if so_far.cracks.len() > cracks {
         *forces = walls::normal_forces(model, state, &work.neighbours);
@@ -225,6 +244,43 @@ fn crack(
         so_far.wall_force_error = accuracy::wall_force_error(model, state, work, outcome);
     }
     true
+}
+
+/// A state as the two bodies of a crack see it.
+struct Ends {
+    /// Confining stress of the contacts \[Pa\].
+    stress: f64,
+    /// Where they are \[m\].
+    at: [Vec3; 2],
+    /// How they are turned \[rad\].
+    turn: [Vec3; 2],
+    /// Whether they do not touch.
+    apart: bool,
+}
+
+impl Ends {
+    fn of(model: &Model, state: &State, work: &mut Workspace, crack: &Crack) -> Self {
+        let bounds = state.bounds(model);
+        work.neighbours.refresh(model, &state.position, &bounds);
+        let contacts = Contacts::of(model, state, &work.neighbours);
+        let (first, second) = (crack.first as usize, crack.second);
+        let own = |c: &Contact| (c.first, c.second) == (crack.first, second);
+        let [other, turn] = match second {
+            Other::Grain(j) => [state.position[j as usize], state.rotation[j as usize]],
+            Other::Wall(w) => {
+                let w = usize::from(w);
+                let mut at = Vec3::zeros();
+                at[wall::axis(w)] = bounds.position(w);
+                [at, Vec3::zeros()]
+            }
+        };
+        Self {
+            stress: stress::from_contacts(&contacts.list, &bounds).trace() / 3.0,
+            at: [state.position[first], other],
+            turn: [state.rotation[first], turn],
+            apart: !contacts.list.iter().any(own),
+        }
+    }
 }
 
 /// Energy that shear, torsion and cement store, and what slip has taken \[J\].

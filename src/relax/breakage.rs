@@ -7,6 +7,7 @@ use crate::Vec3;
 use crate::contact::Other;
 use crate::contact::cement::strength::{Load, Mode, Strength};
 use crate::model::Model;
+use crate::scene::{Cement, CementStrength};
 use crate::state::{Bond, Condition, Memory, State};
 
 /// A bond that broke.
@@ -26,6 +27,101 @@ pub struct Crack {
     pub load: Load,
     /// The stress over the strength.
     pub overload: f64,
+    /// What became of that.
+    pub relaxed: Relaxed,
+}
+
+/// What the pack did when a bond broke: from the equilibrium in which it broke to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Relaxed {
+    /// Equilibria of the increment before it.
+    pub substep: u32,
+    /// Instabilities of the increment before it; those of its own relaxation come after it.
+    pub jumps: u32,
+    /// Confining stress of the contacts before and after \[Pa\]: a third of the trace of the
+    /// Love-Weber stress.
+    pub stress: [f64; 2],
+    /// Stored energy before \[J\].
+    pub energy: f64,
+    /// Energy that neither the pack stores nor slip, walls or instabilities took \[J\].
+    pub released: f64,
+    /// Ways of both bodies \[m\].
+    pub moved: [Vec3; 2],
+    /// Rotations of both bodies \[rad\].
+    pub turned: [Vec3; 2],
+    /// Whether they are apart after it.
+    pub apart: bool,
+}
+
+/// What a bond that holds carries at an equilibrium; nothing where it broke.
+#[derive(Clone, Copy, Debug)]
+pub struct Carrying<'a> {
+    /// Its place among the bonds of the state.
+    pub place: usize,
+    /// The bond.
+    pub bond: &'a Bond,
+    /// Unit normal towards grain i.
+    pub normal: Vec3,
+    /// Where the contact is \[m\].
+    pub position: Vec3,
+    /// Normal force of the cement \[N\], negative in tension.
+    pub normal_force: f64,
+    /// Tangential force on grain i \[N\].
+    pub shear: Vec3,
+    /// Couple on grain i along the normal \[N m\].
+    pub torsion: f64,
+    /// The larger of its stresses over their strengths: it breaks at 1. 0 without strengths.
+    pub used: f64,
+    /// Which of them that is.
+    pub mode: Mode,
+}
+
+impl Carrying<'_> {
+    fn load(&self) -> Load {
+        let Self { normal_force: normal, shear, torsion, .. } = *self;
+        Load { normal, shear: shear.norm(), torsion: torsion.abs() }
+    }
+}
+
+/// What was cemented in `state`, an equilibrium, in the order of its bonds.
+pub fn carrying<'a>(
+    model: &'a Model,
+    cement: &'a Cement,
+    state: &'a State,
+) -> impl Iterator<Item = Carrying<'a>> + 'a {
+    let bounds = state.bounds(model);
+    let mut carried = Carried { memory: &state.memory, next: 0 };
+    let cemented = |(_, bond): &(usize, &Bond)| bond.condition != Condition::Bare;
+    state.bonds.iter().enumerate().filter(cemented).map(move |(place, bond)| {
+        let branch = bond.branch(&state.position, &bounds);
+        let distance = branch.norm();
+        let normal = branch / distance;
+        // In the middle between the surfaces, or on the wall.
+        let overlap = bond.overlap + (bond.distance - distance);
+        let arm = match bond.second {
+            Other::Grain(_) => model.radius[bond.first as usize] - 0.5 * overlap,
+            Other::Wall(_) => distance,
+        };
+        let position = state.position[bond.first as usize] - normal * arm;
+        let (mut normal_force, mut shear, mut torsion) = (0.0, Vec3::zeros(), 0.0);
+        if bond.holds() {
+            let law = model.law_of(cement, bond);
+            normal_force = bond.force(&law, &normal, &state.position, &bounds);
+            (shear, torsion) = carried.of(bond);
+        }
+        let (used, mode) = (0.0, Mode::Tension);
+        let mut all =
+            Carrying { place, bond, normal, position, normal_force, shear, torsion, used, mode };
+        if let Some(CementStrength { tension, shear }) = cement.strength
+            && bond.holds()
+        {
+            let strength = Strength { tension, shear };
+            // Cement that is partly gone is as much weaker as it is softer.
+            (all.used, all.mode) = strength.use_of(&all.load(), bond.radius);
+            all.used /= bond.share;
+        }
+        all
+    })
 }
 
 /// The bond of `state`, an equilibrium, that is loaded the most against its strength, if that is
@@ -33,31 +129,19 @@ pub struct Crack {
 #[must_use]
 pub fn weakest(model: &Model, state: &State) -> Option<(usize, Crack)> {
     let cement = model.cement.as_ref()?;
-    let strength = cement.strength?;
-    let strength = Strength { tension: strength.tension, shear: strength.shear };
-    let bounds = state.bounds(model);
-    let mut carried = Carried { memory: &state.memory, next: 0 };
-    let mut worst: Option<(usize, Crack)> = None;
-    for (place, bond) in state.bonds.iter().enumerate().filter(|(_, bond)| bond.holds()) {
-        let branch = bond.branch(&state.position, &bounds);
-        let distance = branch.norm();
-        let normal = branch / distance;
-        let law = model.law_of(cement, bond);
-        let normal_force = bond.force(&law, &normal, &state.position, &bounds);
-        let (shear, torsion) = carried.of(bond);
-        let load = Load { normal: normal_force, shear: shear.norm(), torsion: torsion.abs() };
-        // Cement that is partly gone is as much weaker as it is softer.
-        let (share, mode) = strength.use_of(&load, bond.radius);
-        let overload = share / bond.share;
-        if overload >= 1.0 && worst.as_ref().is_none_or(|(_, worst)| overload > worst.overload) {
-            let Bond { first, second, .. } = *bond;
-            let arm = model.radius[first as usize] - 0.5 * bond.overlap;
-            let position = state.position[first as usize] - normal * arm.min(distance);
-            let crack = Crack { first, second, mode, position, normal, load, overload };
-            worst = Some((place, crack));
+    cement.strength?;
+    let mut worst: Option<Carrying<'_>> = None;
+    for one in carrying(model, cement, state) {
+        if one.used >= 1.0 && worst.as_ref().is_none_or(|worst| one.used > worst.used) {
+            worst = Some(one);
         }
     }
-    worst
+    let worst = worst?;
+    let load = worst.load();
+    let Carrying { place, bond, normal, position, used: overload, mode, .. } = worst;
+    let Bond { first, second, .. } = *bond;
+    let relaxed = Relaxed::default();
+    Some((place, Crack { first, second, mode, position, normal, load, overload, relaxed }))
 }
 
 /// What contacts remember, asked for in their order.

@@ -20,7 +20,7 @@ pub struct Rearrangement {
     pub energy_before: f64,
     /// The same at the equilibrium that followed \[J\].
     pub energy_after: f64,
-    /// Grains that carry load and went further than the mean overlap.
+    /// Grains that carry load and went further than the mean overlap; of a crack its two bodies.
     pub grains: Vec<u32>,
     /// Way of each of them from where stability was lost \[m\].
     pub displacement: Vec<[f64; 3]>,

@@ -60,8 +60,12 @@ pub struct Outputs {
     pub chain_share: f64,
     /// What each event did to grains and contacts.
     pub rearrangements: When,
-    /// All grains before and after each event; recorded only.
+    /// All grains before and after each stress drop; recorded only.
     pub snapshots: When,
+    /// What cement carries, bond by bond.
+    pub bonds: When,
+    /// Which bonds broke.
+    pub cracks: When,
 }
 
 impl Default for Outputs {
@@ -75,6 +79,8 @@ impl Default for Outputs {
             chain_share: 0.1,
             rearrangements: When::default(),
             snapshots: When::default(),
+            bonds: When::default(),
+            cracks: When::default(),
         }
     }
 }

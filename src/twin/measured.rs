@@ -7,14 +7,14 @@ use crate::command::Stamp;
 use crate::measure::contacts::Contacts;
 use crate::measure::coordination::{self, Histograms};
 use crate::measure::{
-    self, fabric, grains, hydrate, moduli, motion, network, porosity, rearrangement, row_major,
-    stress, walls,
+    self, cement, fabric, grains, hydrate, moduli, motion, network, porosity, row_major, stress,
+    sudden, walls,
 };
 use crate::model::Model;
 use crate::relax::advance::Advance;
 use crate::relax::tangent;
 use crate::report::{
-    Demand, Fabric, GrainMotion, Measures, Moduli, PackState, Tangent, WallForces,
+    Cracks, Demand, Fabric, GrainMotion, Measures, Moduli, PackState, Tangent, WallForces,
 };
 use crate::scene::ModuliKind;
 use crate::wall::Bounds;
@@ -46,16 +46,16 @@ impl Twin {
         let before =
             std::mem::replace(&mut self.stress_strain, (loaded.normal_stress(), loaded.strain));
         let Self { model, state, .. } = &*self;
-        let jumps = &reached.jumps;
+        let sudden = sudden::in_order(reached);
         Measures {
             stamp,
             increment: self.increment,
-            events: jumps.iter().map(|jump| rearrangement::event(model, jump)).collect(),
-            rearrangements: (jumps.iter().filter(|_| demand.rearrangements))
-                .map(|jump| rearrangement::rearrangement(model, jump))
+            events: sudden.iter().map(|what| what.event(model)).collect(),
+            rearrangements: (sudden.iter().filter(|_| demand.rearrangements))
+                .map(|what| what.rearrangement(model))
                 .collect(),
-            snapshots: (jumps.iter().zip(0..).filter(|_| demand.snapshots))
-                .flat_map(|(jump, event)| rearrangement::snapshots(model, jump, event))
+            snapshots: (sudden.iter().zip(0..).filter(|_| demand.snapshots))
+                .flat_map(|(what, event)| what.snapshots(model, event))
                 .collect(),
             wall_force_error: reached.wall_force_error,
             state: demand.state.then(|| self.pack_state(reached, &contacts, &loaded)),
@@ -71,6 +71,11 @@ impl Twin {
                 .then(|| fabric::fabric(model, state, &contacts, self.chain_share)),
             hydrate: match demand.hydrate {
                 true => hydrate::hydrate(model, state, &contacts.list, loaded.stress.trace() / 3.0),
+                false => None,
+            },
+            bonds: if demand.bonds { cement::bonds(model, state) } else { None },
+            cracks: match demand.cracks {
+                true => cement::cracks(model, state, &reached.cracks),
                 false => None,
             },
             walls: loaded.walls,
@@ -127,6 +132,7 @@ impl Twin {
             slip_energy: friction.slip,
             renewal_energy: friction.renewal,
             event_energy: self.event_energy,
+            broken_energy: friction.broken,
             wall_work: state.wall_work,
             dissipated_energy: state.wall_work + state.dissociated.work
                 - (stored_energy - state.initial_energy),
@@ -187,6 +193,13 @@ impl Twin {
         let contacts = self.contacts();
         let numbers = coordination::numbers(&self.model, contacts.counted());
         coordination::histograms(&self.model, &self.state, &numbers)
+    }
+
+    /// How many bonds hold and how many broke so far, without the cracks of any increment; `None` in a
+    /// scene without cement.
+    #[must_use]
+    pub fn cracks(&self) -> Option<Cracks> {
+        cement::cracks(&self.model, &self.state, &[])
     }
 
     /// Statistics of the force network now.

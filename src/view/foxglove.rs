@@ -3,11 +3,11 @@
 //!
 //! **The twin never waits for a viewer.** Its thread hands an answer over and returns; a thread of
 //! the server's own encodes what somebody has subscribed to, and hands it to the clients' queues.
-//! When it falls behind, contact networks and pictures of the oldest answers that wait are left
+//! When it falls behind, contact networks, bonds and pictures of the oldest answers that wait are left
 //! out, and counted; commands, reports and wall forces never are. The queue of a client holds 1024
 //! messages; of a client that takes them more slowly than they come, the oldest are lost.
 //!
-//! **Nobody looks, nothing is drawn.** Contact networks, motions of the grains, grains and markers are
+//! **Nobody looks, nothing is drawn.** Contact networks, bonds, motions of the grains, grains and markers are
 //! measured, drawn and encoded while a client has subscribed to them.
 //!
 //! **Whoever comes later** gets, of the topics that say how the twin is (not of those that say what
@@ -186,6 +186,8 @@ impl Sink for LiveSink {
             hydrate: asked(&topics::HYDRATE),
             rearrangements: asked(&topics::REARRANGEMENTS),
             snapshots: asked(&topics::SNAPSHOTS),
+            bonds: marked || asked(&topics::BONDS),
+            cracks: asked(&topics::CRACKS),
         }
     }
 

@@ -1,5 +1,6 @@
 //! The charts of a recording.
 
+mod cement;
 mod contacts;
 mod energy;
 mod events;
@@ -86,13 +87,14 @@ pub fn sheets(history: &History, title: &str) -> Vec<(&'static str, Sheet)> {
             ],
         ),
     ];
+    let sheets = sheets.into_iter().chain([("cement", cement::cracks(run, &strain))]);
     let subtitle = subtitle(history);
     let sheet = |(name, mut charts): (_, Vec<Chart>)| {
         charts.retain(|chart| !chart.is_empty());
         let sheet = Sheet { title: title.into(), subtitle: subtitle.clone(), charts };
         (!sheet.charts.is_empty()).then_some((name, sheet))
     };
-    sheets.into_iter().filter_map(sheet).collect()
+    sheets.filter_map(sheet).collect()
 }
 
 fn subtitle(history: &History) -> String {

@@ -8,6 +8,7 @@
 //! as deleted: each array takes the place of the one before it, and nothing flickers or stays.
 
 mod caption;
+mod cement;
 mod chains;
 mod cloud;
 mod colormap;
@@ -18,7 +19,7 @@ use crate::msg::picture::{Marker, MarkerArray, Point, PointCloud2};
 use crate::msg::standard::Header;
 use crate::msg::topics::VIEW_FRAME;
 use crate::report::{GrainMotion, Grains, Measures};
-use crate::scene::{Choice, ColorBy, Scene, View};
+use crate::scene::{Choice, ColorBy, Normal, Scene, View};
 use crate::wall::Bounds;
 
 /// Most grains that are drawn as spheres; of larger packs the cloud has to do.
@@ -38,6 +39,8 @@ pub struct Painter {
     scale: f64,
     /// Increments from the start that are all recorded when nothing is said of it.
     first: u64,
+    /// Whether there is cement to be drawn.
+    cemented: bool,
 }
 
 impl Painter {
@@ -49,7 +52,8 @@ impl Painter {
             Choice::Auto => power_of_ten(bounds),
         };
         let first = (GRAINS_AT_FIRST / grains.max(1) as u64).max(EACH);
-        Self { name: scene.name.clone(), view: scene.view, scale, first }
+        let cemented = matches!(scene.contact.normal, Normal::Cement(_));
+        Self { name: scene.name.clone(), view: scene.view, scale, first, cemented }
     }
 
     /// Size of the picture over that of the specimen.
@@ -76,7 +80,8 @@ impl Painter {
         Some(cloud::cloud(header(measures), grains, self.scale))
     }
 
-    /// Spheres binned by radius and coloured, force chains, walls, and a line of text. `None` when
+    /// Spheres binned by radius and coloured, force chains, walls, a line of text, and the bonds and
+    /// cracks of a scene with cement. `None` when
     /// the measures are without [grains](Measures::grains); without a contact network there are no
     /// chains, without a state the text is short.
     #[must_use]
@@ -86,6 +91,9 @@ impl Painter {
         let mut markers = walls::walls(&canvas, &measures.walls);
         markers.push(caption::caption(&canvas, &self.name, measures));
         markers.extend(chains::chains(&canvas, grains, measures.network.as_ref()));
+        if self.cemented {
+            markers.extend(cement::cement(&canvas, grains, measures.bonds.as_ref()));
+        }
         if grains.radius.len() <= MOST_SPHERES {
             let values = values(grains, measures.motion.as_ref(), self.view.color);
             markers.extend(spheres::spheres(&canvas, &self.view, grains, &values));

@@ -1,10 +1,13 @@
 //! The measures of one run.
 
+pub(super) mod cement;
+
 use super::motions::Motions;
 use crate::msg::{
-    ContactNetwork, Event, Fabric, GrainMotion, Hydrate, Moduli, PackState, Rearrangement, Tangent,
-    WallForces,
+    ContactNetwork, Cracks, Event, Fabric, GrainMotion, Hydrate, Moduli, PackState, Rearrangement,
+    Tangent, WallForces,
 };
+use crate::report::EventKind;
 
 /// The measures between two resets of the twin, in the order of the bag. A reset takes the pack
 /// back to the start and counts the increments from 0 again.
@@ -28,7 +31,9 @@ pub struct Run {
     pub loads: Vec<Load>,
     /// How the grains moved.
     pub motions: Motions,
-    /// Increments with events, each once.
+    /// Bonds and cracks.
+    pub cement: cement::Cement,
+    /// Increments with stress drops, each once.
     pub eventful: Vec<u64>,
     /// Energy that events released in these increments \[J\].
     pub released: Vec<(u64, f64)>,
@@ -50,7 +55,7 @@ pub struct Forces {
 pub struct Load {
     /// The increment.
     pub increment: u64,
-    /// Sum of the normal forces \[N\].
+    /// Sum of the magnitudes of the normal forces \[N\].
     pub normal: f64,
     /// Sum of the magnitudes of the tangential forces \[N\].
     pub tangential: f64,
@@ -66,6 +71,7 @@ pub(super) enum Measure {
     Motion(Box<GrainMotion>),
     Fabric(Box<Fabric>),
     Hydrate(Hydrate),
+    Cracks(Box<Cracks>),
     Event(Event),
     Rearrangement(Rearrangement),
 }
@@ -136,6 +142,11 @@ impl Run {
                 (self.loads.last().map(|m| m.increment), next.increment, next.chunk > 0)
             }
             Measure::Motion(next) => (self.motions.increment(), next.increment, next.chunk > 0),
+            Measure::Cracks(next) => (
+                self.cement.standing.last().map(|now| now.increment),
+                next.increment,
+                next.chunk > 0,
+            ),
             // They come after the measures of their increment.
             Measure::Event(_) | Measure::Rearrangement(_) => return false,
         };
@@ -152,7 +163,12 @@ impl Run {
             Measure::Motion(motion) => self.motions.add(*motion),
             Measure::Fabric(fabric) => self.fabrics.push(*fabric),
             Measure::Hydrate(hydrate) => self.hydrates.push(hydrate),
-            Measure::Event(event) => self.add_event(event.increment),
+            Measure::Cracks(cracks) => self.cement.add(&cracks),
+            // What broke is drawn by itself.
+            Measure::Event(event) if event.kind == EventKind::StressDrop as u8 => {
+                self.add_event(event.increment);
+            }
+            Measure::Event(_) => {}
             Measure::Rearrangement(event) => self.add_rearrangement(&event),
         }
     }
@@ -160,8 +176,12 @@ impl Run {
     /// A live network comes in chunks, which follow upon each other.
     fn add_network(&mut self, network: ContactNetwork) {
         let size = |force: &[f64]| force.iter().map(|part| part * part).sum::<f64>().sqrt();
-        let tangential = network.tangential_force.chunks_exact(3).map(size).collect();
-        let ContactNetwork { increment, chunk, normal_force: normal, .. } = network;
+        let tangential = network.tangential_force.chunks_exact(3).map(size);
+        let ContactNetwork { increment, chunk, normal_force, .. } = &network;
+        let (increment, chunk) = (*increment, *chunk);
+        // Where cement broke there may be no contact.
+        let carries = normal_force.iter().copied().zip(tangential).filter(|of| *of != (0.0, 0.0));
+        let (normal, tangential) = carries.unzip();
         let forces = Forces { increment, normal, tangential };
         self.add_load(&forces, chunk);
         let Some([first, last]) = &mut self.networks else {
@@ -198,7 +218,8 @@ impl Run {
 
     fn add_load(&mut self, forces: &Forces, chunk: u32) {
         let increment = forces.increment;
-        let (normal, tangential) = (forces.normal.iter().sum(), forces.tangential.iter().sum());
+        let normal = forces.normal.iter().map(|force| force.abs()).sum();
+        let tangential = forces.tangential.iter().sum();
         match self.loads.last_mut() {
             Some(last) if chunk > 0 && last.increment == increment => {
                 last.normal += normal;

@@ -1,5 +1,7 @@
 //! Answers of a twin that was never there, every field another number.
 
+#[path = "made_up_cement.rs"]
+mod made_up_cement;
 #[path = "made_up_fabric.rs"]
 mod made_up_fabric;
 
@@ -153,6 +155,7 @@ fn measures(stamp: Stamp, increment: u64, contacts: u32) -> Measures {
         slip_energy: next(),
         renewal_energy: next(),
         event_energy: next(),
+        broken_energy: next(),
         stored_energy: next(),
         wall_work: next(),
         dissipated_energy: next(),
@@ -234,6 +237,8 @@ fn measures(stamp: Stamp, increment: u64, contacts: u32) -> Measures {
             },
         },
     };
+    let bonds = made_up_cement::bonds(contacts / 2, &mut next);
+    let cracks = made_up_cement::cracks(3, &mut next);
     Measures {
         stamp,
         increment,
@@ -250,5 +255,7 @@ fn measures(stamp: Stamp, increment: u64, contacts: u32) -> Measures {
         motion: Some(motion),
         fabric: Some(fabric),
         hydrate: None,
+        bonds: Some(bonds),
+        cracks: Some(cracks),
     }
 }

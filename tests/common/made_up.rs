@@ -1,5 +1,7 @@
 //! A twin without physics: every number it answers is made up, distinct and reproducible.
 
+#[path = "made_up_cement.rs"]
+mod made_up_cement;
 #[path = "made_up_fabric.rs"]
 mod made_up_fabric;
 
@@ -148,6 +150,8 @@ impl MadeUpTwin {
             motion: demand.grain_motion.then(|| n.motion(contacts)),
             fabric: demand.fabric.then(|| made_up_fabric::fabric(&mut || n.next())),
             hydrate: None,
+            bonds: (demand.bonds).then(|| made_up_cement::bonds(contacts as u32, &mut || n.next())),
+            cracks: demand.cracks.then(|| made_up_cement::cracks(n.index() % 4, &mut || n.next())),
         }
     }
 }

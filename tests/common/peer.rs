@@ -111,6 +111,8 @@ fn expected_json(served: &[Arc<Served>]) -> String {
     topic("grain_motion", json(all().filter_map(convert::whole_motion)));
     topic("fabric", json(all().filter_map(convert::fabric)));
     topic("hydrate", json(all().filter_map(convert::hydrate)));
+    topic("bonds", json(all().filter_map(convert::whole_bonds)));
+    topic("cracks", json(all().filter_map(convert::whole_cracks)));
     topic("events", json(all().flat_map(convert::events)));
     topic("rearrangements", json(all().flat_map(msg::rearrangement::whole)));
     serde_json::to_string(&topics).unwrap()

@@ -2,7 +2,7 @@
 
     compare.py EXPECTED.json RECEIVED.json [--ignore FIELD]...
 
-Both hold a list of messages for every topic. Contact networks and motions of the grains are expected
+Both hold a list of messages for every topic. Contact networks, bonds and the like are expected
 whole and come in chunks, which are put together here. Prints the first difference and exits with 1.
 """
 
@@ -20,6 +20,17 @@ CHUNKED = {
         {"carries": 450},
         ("displacement", "non_affine", "rotation", "total_rotation", "d2min", "shear_strain",
          "volumetric_strain", "carries"),
+    ),
+    "bonds": (
+        {"first": 440},
+        ("first", "second", "condition", "share", "radius", "position", "normal", "normal_force",
+         "tangential_force", "torsion", "strength_use"),
+    ),
+    "cracks": (
+        {"first": 440},
+        ("first", "second", "mode", "substep", "position", "normal", "normal_force",
+         "tangential_force", "torsion", "overload", "stress_before", "stress_after",
+         "energy_released"),
     ),
     "rearrangements": (
         {"grains": 400, "lost_first": 1500, "made_first": 1500},

@@ -229,6 +229,51 @@ class Fabric(IdlStruct, typename="graintwin_msgs.msg.dds_.Fabric_"):
 
 
 @dataclass
+class Bonds(IdlStruct, typename="graintwin_msgs.msg.dds_.Bonds_"):
+    header: Header
+    increment: uint64
+    chunk: uint32
+    chunk_count: uint32
+    tensile_strength: float64
+    shear_strength: float64
+    first: sequence[uint32]
+    second: sequence[uint32]
+    condition: sequence[uint8]
+    share: sequence[float64]
+    radius: sequence[float64]
+    position: sequence[float64]
+    normal: sequence[float64]
+    normal_force: sequence[float64]
+    tangential_force: sequence[float64]
+    torsion: sequence[float64]
+    strength_use: sequence[float64]
+
+
+@dataclass
+class Cracks(IdlStruct, typename="graintwin_msgs.msg.dds_.Cracks_"):
+    header: Header
+    increment: uint64
+    chunk: uint32
+    chunk_count: uint32
+    intact: uint32
+    broken_by_tension: uint32
+    broken_by_shear: uint32
+    first: sequence[uint32]
+    second: sequence[uint32]
+    mode: sequence[uint8]
+    substep: sequence[uint32]
+    position: sequence[float64]
+    normal: sequence[float64]
+    normal_force: sequence[float64]
+    tangential_force: sequence[float64]
+    torsion: sequence[float64]
+    overload: sequence[float64]
+    stress_before: sequence[float64]
+    stress_after: sequence[float64]
+    energy_released: sequence[float64]
+
+
+@dataclass
 class Rearrangement(IdlStruct, typename="graintwin_msgs.msg.dds_.Rearrangement_"):
     header: Header
     increment: uint64
@@ -474,6 +519,8 @@ OUT = {
     "events": Out(Event, 20000),
     "fabric": Out(Fabric, 20000),
     "hydrate": Out(Hydrate, 20000),
+    "bonds": Out(Bonds, 2000),
+    "cracks": Out(Cracks, 20000),
     "rearrangements": Out(Rearrangement, 20000),
     "report": Out(Report, 20000),
 }

@@ -49,6 +49,17 @@ pub(super) fn write(summary: &Summary) -> String {
         let what = format!("{} contacts opened, {} formed", summary.opened, summary.formed);
         line(&mut text, "friction", &what);
     }
+    if let Some(cement) = &summary.cement {
+        let what = format!(
+            "{} of {} bonds hold, {} broke by tension and {} by shear, {} J lost with them",
+            cement.intact,
+            cement.bonds,
+            cement.broken_by_tension,
+            cement.broken_by_shear,
+            significant(cement.broken_energy, 4),
+        );
+        line(&mut text, "cement", &what);
+    }
     if let Some(motion) = summary.grain_motion.filter(|motion| motion.non_affine_ratio.is_finite())
     {
         let part = |value: f64| significant(value, 3);

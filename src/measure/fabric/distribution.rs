@@ -14,10 +14,10 @@ pub const MOBILISED_BIN: f64 = 0.05;
 /// Bins of [`mobilised`]: up to the limit, the last with all that is beyond.
 pub const MOBILISED_BINS: usize = 20;
 
-/// Contacts by normal force over the `mean`.
+/// Contacts by magnitude of the normal force over the `mean`.
 #[must_use]
 pub fn forces(contacts: &[&Contact], mean: f64) -> Vec<u32> {
-    let values = contacts.iter().map(|contact| contact.force / mean);
+    let values = contacts.iter().map(|contact| contact.force.abs() / mean);
     histogram(values, FORCE_BIN, FORCE_BINS)
 }
 

@@ -87,6 +87,8 @@ impl Marker {
     /// Type of spheres of one size.
     pub const SPHERE_LIST: i32 = 7;
     /// Type of a text that faces whoever looks.
+    pub const TRIANGLE_LIST: i32 = 11;
+    /// See [`Marker::type`](Marker).
     pub const TEXT_VIEW_FACING: i32 = 9;
     /// Draw it, in place of the one of the same name.
     pub const ADD: i32 = 0;

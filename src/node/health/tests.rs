@@ -25,6 +25,8 @@ fn served(disposition: Disposition, iterations: Option<u32>) -> Served {
         motion: None,
         fabric: None,
         hydrate: None,
+        bonds: None,
+        cracks: None,
         rearrangements: Vec::new(),
         snapshots: Vec::new(),
     });

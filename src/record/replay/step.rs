@@ -60,7 +60,7 @@ impl Step {
     #[must_use]
     pub fn demand(&self) -> Demand {
         let has = |topic: &Topic| self.answers.iter().any(|answer| answer.has(topic));
-        // Markers show the state and the contacts.
+        // Markers show the state, the contacts and the cement.
         let marked = has(&topics::MARKERS);
         Demand {
             state: has(&topics::STATE) || marked,
@@ -73,6 +73,8 @@ impl Step {
             hydrate: has(&topics::HYDRATE),
             rearrangements: has(&topics::REARRANGEMENTS),
             snapshots: has(&topics::SNAPSHOTS),
+            bonds: has(&topics::BONDS) || marked,
+            cracks: has(&topics::CRACKS),
         }
     }
 

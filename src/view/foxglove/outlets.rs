@@ -47,10 +47,15 @@ impl Outlets {
         self.all.iter().any(|(one, channel)| ptr::eq(*one, topic) && channel.has_sinks())
     }
 
-    /// Those whose messages need contact networks, grains or their motion.
+    /// Those whose messages need contact networks, bonds, grains or their motion.
     pub(super) fn pictures(&self) -> Vec<Outlet> {
-        let pictures =
-            [&topics::CONTACT_NETWORK, &topics::GRAIN_MOTION, &topics::GRAINS, &topics::MARKERS];
+        let pictures = [
+            &topics::CONTACT_NETWORK,
+            &topics::BONDS,
+            &topics::GRAIN_MOTION,
+            &topics::GRAINS,
+            &topics::MARKERS,
+        ];
         pictures.into_iter().filter_map(|topic| self.of_topic(topic)).collect()
     }
 

@@ -137,11 +137,14 @@ impl State {
 fn is_whole(served: &Served) -> bool {
     let measures = served.report.measures.as_ref();
     measures.is_some_and(|measures| {
-        measures.network.is_some() || measures.grains.is_some() || measures.motion.is_some()
+        measures.network.is_some()
+            || measures.bonds.is_some()
+            || measures.grains.is_some()
+            || measures.motion.is_some()
     })
 }
 
-/// The same answer without network, grains and their motion.
+/// The same answer without network, bonds, grains and their motion.
 fn light(served: &Served) -> Served {
     let Report { stamp, sequence, increment, disposition, substeps, .. } = served.report;
     let (session, text) = (served.report.session.clone(), served.report.text.clone());
@@ -154,7 +157,8 @@ fn light(served: &Served) -> Served {
         let hydrate = measures.hydrate;
         let rearrangements = measures.rearrangements.clone();
         let snapshots = measures.snapshots.clone();
-        let (network, grains, motion) = (None, None, None);
+        let cracks = measures.cracks.clone();
+        let (network, bonds, grains, motion) = (None, None, None, None);
         Measures {
             stamp,
             increment,
@@ -171,6 +175,8 @@ fn light(served: &Served) -> Served {
             motion,
             fabric,
             hydrate,
+            bonds,
+            cracks,
         }
     });
     let report =

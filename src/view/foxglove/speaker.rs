@@ -84,6 +84,6 @@ impl Speaker {
 
 /// Whether messages on `topic` say how the twin is, rather than what happened.
 fn is_state(topic: &Topic) -> bool {
-    let happened = [&topics::EVENTS, &topics::REARRANGEMENTS, &topics::SNAPSHOTS];
+    let happened = [&topics::CRACKS, &topics::EVENTS, &topics::REARRANGEMENTS, &topics::SNAPSHOTS];
     !happened.contains(&topic) && topics::measures().any(|one| ptr::eq(one, topic))
 }

@@ -2,8 +2,8 @@
 
 use super::Canvas;
 use crate::msg::picture::{ColorRGBA, Marker, Point};
+use crate::pack::wall_of;
 use crate::report::{ContactNetwork, Grains};
-use crate::wall;
 
 /// Least normal force of each width of line over the mean: the strong network of Radjai et al.
 /// (Phys. Rev. Lett. 80, 61, 1998) begins at the mean. Forces fall off exponentially, so these
@@ -26,7 +26,9 @@ pub(super) fn chains(
     let mut lines: [Vec<Point>; FROM.len()] = Default::default();
     if let Some(network) = network {
         let forces = &network.normal_force;
-        let mean = forces.iter().sum::<f64>() / forces.len().max(1) as f64;
+        // Cement pulls too, and where it broke there may be no force.
+        let carrying = forces.iter().filter(|force| **force != 0.0).count();
+        let mean = forces.iter().map(|force| force.abs()).sum::<f64>() / carrying.max(1) as f64;
         for (contact, &force) in forces.iter().enumerate() {
             // Exactly the mean is not above it: a single contact is no chain.
             let bin = FROM.iter().rposition(|&from| force > from * mean);
@@ -51,11 +53,24 @@ pub(super) fn chains(
 fn ends(grains: &Grains, network: &ContactNetwork, contact: usize) -> Option<[[f64; 3]; 2]> {
     let first = network.first[contact] as usize;
     let centre = *grains.position.get(first)?;
-    let wall = u32::MAX - network.second[contact];
-    if wall >= wall::COUNT as u32 {
-        return Some([centre, *grains.position.get(network.second[contact] as usize)?]);
-    }
     let reach = grains.radius[first] - network.overlap[contact];
     let normal = &network.normal[3 * contact..3 * contact + 3];
-    Some([centre, std::array::from_fn(|axis| centre[axis] - reach * normal[axis])])
+    let at_wall = std::array::from_fn(|axis| centre[axis] - reach * normal[axis]);
+    ends_of(grains, network.first[contact], network.second[contact], at_wall)
+}
+
+/// The centre of `first` and that of `second`, or the place `at_wall` where that is a wall \[m\];
+/// `None` when they are not there.
+pub(super) fn ends_of(
+    grains: &Grains,
+    first: u32,
+    second: u32,
+    at_wall: [f64; 3],
+) -> Option<[[f64; 3]; 2]> {
+    let centre = *grains.position.get(first as usize)?;
+    let other = match wall_of(second) {
+        Some(_) => at_wall,
+        None => *grains.position.get(second as usize)?,
+    };
+    Some([centre, other])
 }
