@@ -113,10 +113,14 @@ fn normal() -> impl Strategy<Value = Normal> {
     let strength = || prop_oneof![positive(), Just(f64::INFINITY)];
     let strength =
         (strength(), strength()).prop_map(|(tension, shear)| CementStrength { tension, shear });
-    let cement = (law, positive(), 0.0..=1.0, 0.0..=1.0, any::<bool>(), option::of(strength));
-    let cement = cement.prop_map(|(law, kappa, partial_slip, bridge, walls, strength)| {
+    let shares = (0.0..=1.0, 0.0..=1.0, 0.0..0.99);
+    let cement = (law, positive(), shares, any::<bool>(), option::of(strength));
+    let cement = cement.prop_map(|(law, kappa, shares, walls, strength)| {
+        let (partial_slip, bridge, saturation) = shares;
         let solution = Solution::default();
-        Normal::Cement(Cement { law, kappa, partial_slip, bridge, walls, solution, strength })
+        let cement =
+            Cement { law, kappa, partial_slip, bridge, walls, saturation, solution, strength };
+        Normal::Cement(cement)
     });
     prop_oneof![Just(Normal::Hertz), cement]
 }

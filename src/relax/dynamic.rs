@@ -122,8 +122,8 @@ impl Inertia {
             let (radius, mass) = (model.radius[i], self.masses.of(i));
             state.position[i] +=
                 advance(&mut self.velocity[i], &balance.gradient[i], mass[0], radius);
-            if let Some(spin) = self.spin.get_mut(i) {
-                let turn = advance(spin, &balance.moment[i], mass[1], radius);
+            if let (Some(spin), Some(moment)) = (self.spin.get_mut(i), balance.moment.get(i)) {
+                let turn = advance(spin, moment, mass[1], radius);
                 state.rotation[i] += turn / radius;
             }
         }

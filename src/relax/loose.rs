@@ -21,8 +21,9 @@ const LEAST_FACTOR: f64 = 1.0 / 256.0;
 const FIRST_SHIFT: f64 = 1e-3;
 const GROWTH: f64 = 8.0;
 const MOST_SHIFTS: u32 = 12;
-/// Stiffness of what nothing holds, over the mean.
-const NEUTRAL: f64 = 1e-12;
+/// Stiffness of what nothing holds, over the mean, without cement and with it: a grain that hangs on
+/// one bond may roll about it.
+const NEUTRAL: [f64; 2] = [1e-12, 1e-8];
 /// Change of an energy that is rounding, as a share of it.
 const ROUNDING: f64 = 1e-14;
 
@@ -46,6 +47,8 @@ struct Local {
     energy: f64,
     gradient: Vector6<f64>,
     hessian: Matrix6<f64>,
+    /// Stiffness of what nothing holds, over the mean.
+    neutral: f64,
 }
 
 impl Loose {
@@ -56,6 +59,9 @@ impl Loose {
         self.grains.clear();
     }
 
+    pub(super) fn count(&self) -> usize {
+        self.grains.len()
+    }
     /// Takes grain `i` as loose.
     pub(super) fn add(&mut self, i: usize) {
         if !self.is_loose[i] {
@@ -164,7 +170,9 @@ impl Bench<'_> {
 
 impl Local {
     fn of(site: &Site<'_>, i: usize) -> Self {
-        let mut local = Self { energy: 0.0, gradient: Vector6::zeros(), hessian: Matrix6::zeros() };
+        let neutral = NEUTRAL[usize::from(site.others.reference.is_cemented())];
+        let (gradient, hessian) = (Vector6::zeros(), Matrix6::zeros());
+        let mut local = Self { energy: 0.0, gradient, hessian, neutral };
         let Others { model, bounds, .. } = *site.others;
         let radius = model.radius[i];
         if let Some(weight) = model.weight.get(i) {
@@ -196,14 +204,18 @@ impl Local {
     }
 
     fn grip(&mut self, grip: &Grip<'_>, radius: f64) {
-        let Grip { traction, pull, second, .. } = grip;
+        let Grip { held, traction, pull, second, beam } = grip;
         self.energy += pull.potential;
         self.add_gradient(&grip.gradient(radius));
         let double = |v: [f32; 3]| Vec3::from(v.map(f64::from));
         let (n, e) = (double(traction.normal), double(traction.direction));
         let (across, sliding) = (f64::from(traction.across), f64::from(traction.sliding));
         let lever = pull.arm[usize::from(*second)] / radius;
-        let twist = f64::from(traction.torsion) / (radius * radius);
+        let torsion = match held.is_bonded() {
+            true => held.torsion_stiffness,
+            false => f64::from(traction.torsion),
+        };
+        let twist = torsion / (radius * radius);
         // The sliding displacement is ±T u + λ n̂ × w, and e·(n̂ × w) = (e × n̂)·w.
         let sign = if *second { -1.0 } else { 1.0 };
         let f = e.cross(&n);
@@ -214,8 +226,22 @@ impl Local {
         let uw = (n.cross_matrix() * across + e * f.transpose() * sliding) * (sign * lever);
         let w = (plane * across + f * f.transpose() * sliding) * (lever * lever)
             + n * n.transpose() * twist;
-        // The lever of a parallel bond turns with the grain.
-        let w = w - plane * (lever / radius * f64::from(traction.push));
+        let parts = beam.map_or([u, uw, w], |arm| {
+            // A spring at the cementing point, whose way is ±u + dφ × b, and whose lever turns with
+            // the grain: b × F changes by b (F·dφ) - (b·F) dφ.
+            let (force, b) = (pull.force * sign, arm / radius);
+            let turning = b * force.transpose();
+            let even = Matrix3::identity() * (b.dot(&force) + across * b.dot(&b) * radius);
+            let turns = even
+                - (turning + turning.transpose()) * 0.5
+                - b * b.transpose() * (across * radius);
+            [
+                Matrix3::identity() * (across - bending),
+                -b.cross_matrix() * across,
+                turns / radius + n * n.transpose() * twist,
+            ]
+        });
+        let [u, uw, w] = parts;
         for (row, column, part) in [(0, 0, u), (0, 3, uw), (3, 0, uw.transpose()), (3, 3, w)] {
             let mut block = self.hessian.fixed_view_mut::<3, 3>(row, column);
             block += part;
@@ -242,7 +268,7 @@ impl Local {
         let mut shift = 0.0;
         for _ in 0..MOST_SHIFTS {
             // A grain may turn freely about its contacts.
-            let diagonal = shift + NEUTRAL * mean;
+            let diagonal = shift + self.neutral * mean;
             if let Some(factor) = (self.hessian + Matrix6::identity() * diagonal).cholesky() {
                 let step = -factor.solve(&self.gradient);
                 let [u, w] = [0, 3].map(|k| Vec3::from(step.fixed_rows::<3>(k)));

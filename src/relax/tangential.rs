@@ -124,16 +124,17 @@ impl Reference {
             + self.bond_bytes()
     }
 
-    /// Whether the pair carried load at the reference by more than `least` \[m\] of overlap.
+    /// Whether the pair carried load at the reference by more than `least` \[m\] of overlap, without
+    /// cement.
     #[must_use]
     pub fn holds(&self, first: u32, second: Other, least: f64) -> bool {
         let key = match second {
             Other::Grain(j) if j < first => (j, Other::Grain(first)),
             _ => (first, second),
         };
-        self.contacts
-            .binary_search_by_key(&key, |held| (held.first, held.second))
-            .is_ok_and(|k| self.contacts[k].reference_overlap > least)
+        self.contacts.binary_search_by_key(&key, |held| (held.first, held.second)).is_ok_and(|k| {
+            !self.contacts[k].is_bonded() && self.contacts[k].reference_overlap > least
+        })
     }
 
     /// Whether cement holds any bodies together.

@@ -22,6 +22,9 @@ use crate::wall::{self, Bounds};
 /// Least effective radius in shear and torsion over that at the deposition.
 const FAINT_RADIUS: f64 = 1e-6;
 
+/// Least torsional stiffness of the linearisation over that of the spring on the arm of the contact.
+const LEAST_TWIST: f64 = 1e-3;
+
 /// Cement of one contact at the reference configuration.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bonded {
@@ -162,6 +165,18 @@ impl Reference {
         self.bonds.get(held.bond as usize)
     }
 
+    /// The cementing arms of the parallel bond of `held` at `pose`; `None` where it has none.
+    pub(in crate::relax) fn beam_arms(&self, held: &Held, pose: &Pose<'_>) -> Option<[Vec3; 2]> {
+        let bonded = self.bond_of(held)?;
+        match bonded.law {
+            BondLaw::Parallel(_) => {
+                let turned = held.ends(pose, &self.rotation).turned;
+                Some(bonded.arms(held, turned))
+            }
+            BondLaw::Effective(_) => None,
+        }
+    }
+
     /// Counts the bond of `held` at `pose` in `sums` and its force on a wall in `walls`.
     pub(super) fn count(
         &self,
@@ -269,7 +284,9 @@ impl Reference {
             normal: <[f64; 3]>::from(motion.normal).map(|x| x as f32),
             across: k as f32,
             arm: arm.map(|arm| arm as f32),
-            torsion: torsion.stiffness as f32,
+            // A thin cylinder hardly resists twisting; for a step of the linearised balance it does
+            // (single grains are brought to balance with the true stiffness).
+            torsion: torsion.stiffness.max(LEAST_TWIST * k * arm[0] * arm[0]) as f32,
             axial: k as f32,
             push: force.dot(&motion.normal) as f32,
             ..Traction::default()
