@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 
 use graintwin::Vec3;
 use graintwin::command::Disposition;
-use graintwin::pack::{BondMemory, Kept, Pack, wall_of};
+use graintwin::pack::{BondMemory, ContactMemory, Kept, Pack, wall_of};
 use graintwin::report::{ContactState, Measures};
 use graintwin::scene::{Cement, CementLaw, CementStrength, Coulomb, Friction, Method, Scene};
 use graintwin::wall::{self, WallTarget};
@@ -93,6 +93,7 @@ fn parallel_bonds_forget_the_way() {
     }
     let again = rig.go(by_strain(&pack.bounds, [0.0, 0.0, 1e-5]));
     for (a, b) in again.walls.normal_force.iter().zip(first.walls.normal_force) {
+        // The turning of the contact planes is all that remembers the way.
         close("normal force", *a, b, 1e-7);
     }
     let [a, b] = [&again, &first].map(|measures| state(measures).stored_energy);
@@ -140,21 +141,33 @@ fn the_methods_find_the_same_equilibria() {
     }
 }
 
+/// Where [`broken`] ends.
+const LAST: [f64; 3] = [-1.25e-4, -1.25e-4, 5e-4];
+
 /// Measures after a path of tension, shear and cracks.
 fn broken(scene: &Scene, pack: &Pack, threads: usize) -> (Rig, Measures) {
     let (mut rig, _) = Rig::start_on(scene, pack, threads);
     let mut last = None;
-    for strain in [[-1e-4, 0.0, 1e-4], [-3e-4, 0.0, 3e-4], [-6e-4, 1e-4, 5e-4]] {
+    for strain in [uniaxial(2e-4), uniaxial(3.5e-4), LAST] {
         last = Some(rig.go(by_strain(&pack.bounds, strain)));
     }
     (rig, last.unwrap())
 }
 
+/// A scene and a pack whose cement breaks and leaves rough contacts.
+fn rough(cement: Cement, pack: &Pack, tolerance: f64) -> (Scene, Pack) {
+    let mut scene = scene(cement, tolerance);
+    scene.contact.friction = Friction::Coulomb(Coulomb::default());
+    let mut pack = pack.clone();
+    pack.grains.iter_mut().for_each(|grain| grain.friction = 0.3);
+    (scene, pack)
+}
+
 fn strong(law: CementLaw) -> Cement {
     let at = match law {
         // Of a cross-section as small as the thesis has it.
-        CementLaw::Parallel(_) => 1e10,
-        _ => 2e7,
+        CementLaw::Parallel(_) => 1.2e10,
+        _ => 1.5e8,
     };
     breakable(law, at, 2.0 * at)
 }
@@ -163,24 +176,23 @@ fn strong(law: CementLaw) -> Cement {
 fn bits_depend_neither_on_threads_nor_on_a_pack_stored_on_the_way() {
     let pack = made(300, 1e7, 7);
     for law in LAWS {
-        let mut scene = scene(strong(law), 1e-8);
-        let coulomb = Coulomb { coefficient: 0.3, ..Coulomb::default() };
-        scene.contact.friction = Friction::Coulomb(coulomb);
+        let (scene, pack) = rough(strong(law), &pack, 1e-8);
         let (one, _) = broken(&scene, &pack, 1);
         let (seven, _) = broken(&scene, &pack, 7);
         assert_eq!(bits(&one.twin.pack()), bits(&seven.twin.pack()), "{law:?}");
         let history = |rig: &Rig| rig.twin.pack().history.unwrap();
         assert!(history(&one) == history(&seven), "{law:?}");
-        let cracked = history(&one).bonds.iter().any(|bond| bond.condition != Kept::Intact);
-        assert!(cracked, "{law:?} did not crack");
+        let bonds = history(&one).bonds;
+        let cracked = bonds.iter().filter(|bond| bond.condition != Kept::Intact).count();
+        assert!(cracked > 2, "{law:?} did not crack");
         // Stored and read again it goes on as if it had not been.
         let stored = one.twin.pack();
         let mut again = start(&scene, &stored);
         let mut one = one;
-        let more = [-7e-4, 1e-4, 6e-4];
+        let more = uniaxial(5.5e-4);
         let want = one.go(by_strain(&pack.bounds, more));
         let further = std::array::from_fn(|w| {
-            by_strain(&pack.bounds, more)[w] - by_strain(&pack.bounds, [-6e-4, 1e-4, 5e-4])[w]
+            by_strain(&pack.bounds, more)[w] - by_strain(&pack.bounds, LAST)[w]
         });
         let got = again.go(further);
         for (got, want) in got.walls.normal_force.iter().zip(want.walls.normal_force) {
@@ -195,37 +207,30 @@ fn bits_depend_neither_on_threads_nor_on_a_pack_stored_on_the_way() {
 
 /// Stresses of a parallel bond of a pack, from nothing but its file: (tension, shear) \[Pa\].
 fn stresses(pack: &Pack, bond: &BondMemory, law: &graintwin::scene::Parallel) -> (f64, f64) {
-    let i = bond.first as usize;
-    let grain = &pack.grains[i];
+    let grain = &pack.grains[bond.first as usize];
     let at = Vec3::from(grain.position);
-    let [one, other] = bond.arm.map(Vec3::from);
-    let (star, normal, second) = match wall_of(bond.second) {
+    let (star, distance) = match wall_of(bond.second) {
         None => {
-            let j = &pack.grains[bond.second as usize];
-            let branch = at - Vec3::from(j.position);
-            let star = grain.radius * j.radius / (grain.radius + j.radius);
-            (star, branch.normalize(), Vec3::from(j.position) + other)
+            let other = &pack.grains[bond.second as usize];
+            let star = grain.radius * other.radius / (grain.radius + other.radius);
+            (star, (at - Vec3::from(other.position)).norm())
         }
         Some(w) => {
             let w = usize::from(w);
-            let mut normal = Vec3::zeros();
-            normal[wall::axis(w)] = wall::inward(w);
-            let mut second = other;
-            second[wall::axis(w)] += pack.bounds.position(w);
-            (grain.radius, normal, second)
+            let gap = (at[wall::axis(w)] - pack.bounds.position(w)) * wall::inward(w);
+            (grain.radius, gap)
         }
     };
     let (radius, length) = (law.radius_ratio * star, law.length_ratio * star);
     let area = PI * radius * radius;
-    let force = (at + one - second) * (-area * law.young / length);
-    let along = force.dot(&normal);
-    let memory = pack.history.as_ref().unwrap().contacts.iter();
-    let torsion = memory
-        .filter(|c| (c.first, c.second) == (bond.first, bond.second))
-        .map(|c| c.torsion.abs())
-        .sum::<f64>();
-    let across = (force - normal * along).norm();
-    (-along / area, across / area + 2.0 * torsion / (area * radius))
+    let contacts = &pack.history.as_ref().unwrap().contacts;
+    let own = |c: &&ContactMemory| (c.first, c.second) == (bond.first, bond.second);
+    let (shear, torsion) = contacts
+        .iter()
+        .find(own)
+        .map_or((0.0, 0.0), |c| (Vec3::from(c.shear).norm(), c.torsion.abs()));
+    let tension = law.young / length * (distance - bond.distance);
+    (tension, shear / area + 2.0 * torsion / (area * radius))
 }
 
 #[test]
@@ -234,28 +239,32 @@ fn no_bond_is_left_that_is_overloaded_and_what_broke_is_lost() {
     let CementLaw::Parallel(law) = PARALLEL else { unreachable!() };
     let cement = strong(PARALLEL);
     let CementStrength { tension, shear } = cement.strength.unwrap();
-    let (rig, last) = broken(&scene(cement, 1e-9), &pack, 1);
+    let (rough_scene, pack) = rough(cement, &pack, 1e-8);
+    let (rig, last) = broken(&rough_scene, &pack, 1);
     let after = rig.twin.pack();
     let bonds = &after.history.as_ref().unwrap().bonds;
     let modes = |kept: Kept| bonds.iter().filter(|bond| bond.condition == kept).count();
     let (pulled, sheared) = (modes(Kept::Tension), modes(Kept::Shear));
-    assert!(pulled > 5 && sheared > 0, "{pulled} {sheared}");
+    assert!(pulled + sheared > 10 && sheared > 0, "{pulled} {sheared}");
     let mut nearest = 0.0_f64;
     for bond in bonds.iter().filter(|bond| bond.condition == Kept::Intact) {
         let (sigma, tau) = stresses(&after, bond, &law);
         nearest = nearest.max(sigma / tension).max(tau / shear);
     }
-    assert!((0.5..1.0).contains(&nearest), "{nearest}");
+    assert!((0.3..1.0).contains(&nearest), "{nearest}");
     // What broke is in the network, and its energy is not stored any more.
     let network = last.network.as_ref().unwrap();
     let marked =
         |state: ContactState| network.state.iter().filter(|&&one| one == state as u8).count();
-    assert_eq!(marked(ContactState::Broken), pulled + sheared);
-    assert_eq!(marked(ContactState::Bonded), bonds.len() - pulled - sheared);
+    let seen = [ContactState::Broken, ContactState::Bonded].map(marked);
+    // Grains that nothing holds take no part, nor do bonds that carry nothing.
+    assert!(seen[0] <= pulled + sheared && 2 * seen[0] > pulled + sheared, "{seen:?}");
+    assert!(seen[1] <= bonds.len() - pulled - sheared && seen[1] > 100, "{seen:?}");
     assert!(state(&last).dissipated_energy > 0.0);
     // The same strengths in another unit break nothing.
     let unbreakable = Cement { strength: None, ..cement };
-    let (rig, _) = broken(&scene(unbreakable, 1e-9), &pack, 1);
+    let (rough_scene, pack) = rough(unbreakable, &pack, 1e-8);
+    let (rig, _) = broken(&rough_scene, &pack, 1);
     let bonds = rig.twin.pack().history.unwrap().bonds;
     assert!(bonds.iter().all(|bond| bond.condition == Kept::Intact));
 }
@@ -314,10 +323,11 @@ fn a_cemented_block_carries_its_weight() {
 #[test]
 fn loads_are_kept_while_bonds_break() {
     let pack = made(200, 1e7, 12);
-    let mut rig = start(&scene(strong(PARALLEL), 1e-9), &pack);
+    let (scene, pack) = rough(strong(PARALLEL), &pack, 1e-8);
+    let mut rig = start(&scene, &pack);
     let bounds = pack.bounds;
     let mut cracked = 0;
-    for k in 1..=6 {
+    for k in 1..=4 {
         rig.sequence += 1;
         let mut command = packs::absolute(rig.sequence, [0.0; 6]);
         let way = by_strain(&bounds, [0.0, 0.0, 1.5e-4 * f64::from(k)]);
@@ -345,7 +355,8 @@ fn a_pack_counted_otherwise_answers_the_same() {
     other.grains.reverse();
     other.grains.swap(3, 77);
     for law in LAWS {
-        let scene = scene(strong(law), 1e-11);
+        let (scene, pack) = rough(strong(law), &pack, 1e-10);
+        let (_, other) = rough(strong(law), &other, 1e-10);
         let (one, a) = broken(&scene, &pack, 1);
         let (two, b) = broken(&scene, &other, 1);
         for (a, b) in a.walls.normal_force.iter().zip(b.walls.normal_force) {
@@ -374,5 +385,4 @@ fn packs_with_wrong_bonds_are_refused() {
     refused(|bond| bond.share = 1.5, ".share: 1.5; allowed: 0 to 1");
     refused(|bond| bond.work = f64::INFINITY, ".work: inf; allowed: a finite number");
     refused(|bond| bond.first = 4000, ".first: 4000; allowed: a grain, 0 to 39");
-    refused(|bond| bond.arm[1][2] = f64::NAN, ".arm[1][2]: NaN; allowed: a finite number");
 }

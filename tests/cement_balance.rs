@@ -15,7 +15,6 @@ use graintwin::relax::Workspace;
 use graintwin::scene::{Cement, CementLaw, Scene};
 use graintwin::state::State;
 use graintwin::wall;
-use nalgebra::Rotation3;
 
 use cemented::{LAWS, cement, loaded};
 
@@ -76,34 +75,8 @@ impl Pair<'_> {
         }
     }
 
-    fn load(&self, cement: &Cement) -> Load {
-        let [before, now] = self.branch.map(|branch| branch.norm());
-        let normal = self.branch[1] / now;
-        let carried = self.memory.map_or(0.0, |memory| memory.torsion);
-        let twist = (self.turned[0] - self.turned[1]).dot(&normal);
-        if let CementLaw::Parallel(law) = cement.law {
-            let BondMemory { arm, .. } = self.bond;
-            let (r, l) = (law.radius_ratio * self.radius, law.length_ratio * self.radius);
-            let points = [0, 1].map(|k| Rotation3::new(self.turned[k]) * Vec3::from(arm[k]));
-            // (4.19-4.22); a wall's point is where it is.
-            let stretch = match wall_of(self.bond.second) {
-                None => self.branch[1] + points[0] - points[1],
-                Some(w) => {
-                    let axis = wall::axis(usize::from(w));
-                    let mut point = points[1];
-                    point[axis] = 0.0;
-                    let mut at = self.arm[1];
-                    // The centre against the wall, and along it.
-                    at[axis] = self.branch[1][axis];
-                    at + points[0] - point
-                }
-            };
-            let force = stretch * (-PI * r * r * law.young / l);
-            let couple = carried - 0.5 * PI * r.powi(4) * law.shear / l * twist;
-            let moment = [points[0].cross(&force), -points[1].cross(&force)];
-            let couple = normal * couple;
-            return Load { force, moment: [moment[0] + couple, moment[1] - couple] };
-        }
+    /// Normal force, and stiffnesses in shear and torsion, of an effective law.
+    fn effective(&self, cement: &Cement, before: f64, now: f64) -> (f64, f64, f64) {
         // (4.1-4.3): the sum of the increments, in many small ones by Simpson's rule.
         let steps = 400;
         let step = (self.bond.distance - now) / f64::from(steps);
@@ -116,9 +89,25 @@ impl Pair<'_> {
             .sum();
         // (4.5-4.8) with the radius at the reference.
         let a = self.contact_radius(cement, before);
-        let shear =
-            cement.partial_slip * 8.0 * a / self.sum(|(e, nu)| (2.0 - nu) * 2.0 * (1.0 + nu) / e);
+        let compliance = self.sum(|(e, nu)| (2.0 - nu) * 2.0 * (1.0 + nu) / e);
         let torsion = 16.0 / 3.0 * a.powi(3) / self.sum(|(e, nu)| 2.0 * (1.0 + nu) / e);
+        (push, cement.partial_slip * 8.0 * a / compliance, torsion)
+    }
+
+    fn load(&self, cement: &Cement) -> Load {
+        let [before, now] = self.branch.map(|branch| branch.norm());
+        let normal = self.branch[1] / now;
+        let carried = self.memory.map_or(0.0, |memory| memory.torsion);
+        let twist = (self.turned[0] - self.turned[1]).dot(&normal);
+        let (push, shear, torsion) = match cement.law {
+            CementLaw::Parallel(law) => {
+                // (4.20-4.21), the way between the cementing points along the normal and across it.
+                let (r, l) = (law.radius_ratio * self.radius, law.length_ratio * self.radius);
+                let k = PI * r * r * law.young / l;
+                (k * (self.bond.distance - now), k, 0.5 * PI * r.powi(4) * law.shear / l)
+            }
+            _ => self.effective(cement, before, now),
+        };
         let carried_shear = self.memory.map_or(Vec3::zeros(), |memory| Vec3::from(memory.shear));
         let flat = carried_shear - normal * normal.dot(&carried_shear);
         let turned = if flat.norm() > 0.0 { flat.normalize() * carried_shear.norm() } else { flat };
@@ -181,18 +170,14 @@ fn forces(reference: &Pack, cement: &Cement, pose: &Pose) -> (Vec<Vec3>, Vec<Vec
                     bodies: [elastic(gi), WALL],
                     radius: gi.radius,
                     branch: [away(&rest), branch],
-                    // Of a wall the second one is where the grain is, for its cementing point.
-                    arm: [-branch, pose.position[i]],
+                    arm: [-branch, Vec3::zeros()],
                     moved: pose.position[i] - rest,
                     turned: [pose.turned[i], Vec3::zeros()],
                     memory,
                 }
             }
         };
-        let load = match (wall_of(bond.second), cement.law) {
-            (Some(_), CementLaw::Parallel(_)) | (None, _) => pair.load(cement),
-            (Some(_), _) => Pair { arm: [pair.arm[0], Vec3::zeros()], ..pair }.load(cement),
-        };
+        let load = pair.load(cement);
         force[i] += load.force;
         moment[i] += load.moment[0] / gi.radius;
         if wall_of(bond.second).is_none() {

@@ -68,7 +68,6 @@ fn bond(first: u32, second: u32, distance: f64, radius: f64) -> BondMemory {
         distance,
         overlap: 0.0,
         radius,
-        arm: [[0.0; 3]; 2],
         share: 1.0,
         work: 0.0,
         normal_force: Some(0.0),

@@ -188,7 +188,7 @@ fn cemented(
         contact.cement = Some(bond.condition);
         if bond.holds() {
             let law = model.law_of(cement, bond);
-            let force = bond.force(&law, &contact.normal, &state.position, &bounds);
+            let force = bond.force(&law, &state.position, &bounds);
             contact.force += force;
         }
         if touches || bond.holds() { list.push(contact) } else { cracks.push(contact) }

@@ -23,7 +23,7 @@ pub fn normal_forces(model: &Model, state: &State, near: &Neighbours) -> [f64; w
             let mut normal = Vec3::zeros();
             normal[wall::axis(w)] = wall::inward(w);
             let law = model.law_of(cement, bond);
-            forces[w] += bond.force(&law, &normal, &state.position, &bounds);
+            forces[w] += bond.force(&law, &state.position, &bounds);
         }
     }
     forces

@@ -1,7 +1,7 @@
 //! The law of one bond, from the constants of its bodies and of the cement.
 
 use crate::Vec3;
-use crate::contact::cement::effective::{Effective, Evolution};
+use crate::contact::cement::effective::{Effective, Evolution, Normal};
 use crate::contact::cement::parallel::Cylinder;
 use crate::contact::neighbours::wall_gap;
 use crate::contact::{Other, hertz};
@@ -17,6 +17,17 @@ pub enum BondLaw {
     Effective(Effective),
     /// A cylinder beside the contact of the grains (T 4.7).
     Parallel(Cylinder),
+}
+
+impl BondLaw {
+    /// Answer of the cement to a distance \[m\] of the bodies.
+    #[must_use]
+    pub fn answer(&self, distance: f64) -> Normal {
+        match self {
+            Self::Effective(law) => law.answer(distance),
+            Self::Parallel(cylinder) => cylinder.answer(distance),
+        }
+    }
 }
 
 impl Model {
@@ -50,9 +61,9 @@ impl Model {
             CementLaw::Exponential(law) => Evolution::Exponential { gamma: law.gamma },
             CementLaw::Power(law) => Evolution::Power { eta: law.eta, omega: law.omega },
             CementLaw::Parallel(law) => {
-                let length = law.length_ratio * effective_radius;
-                let cylinder = Cylinder::new(bond.radius, length, law.young, law.shear);
-                return BondLaw::Parallel(cylinder.times(bond.share));
+                let size = [bond.radius, law.length_ratio * effective_radius];
+                let moduli = [law.young, law.shear];
+                return BondLaw::Parallel(Cylinder::new(size, moduli, bond.distance, bond.share));
             }
         };
         // a^CEM = κ a⁽ᶜ⁾ of a*⁽ᶜ⁾ = (1 + κ) a⁽ᶜ⁾ (4.4).
@@ -139,58 +150,23 @@ impl Bond {
         }
     }
 
-    /// Way from the second cementing point to the first \[m\]: the deformation of a parallel bond.
+    /// Force of its cement on grain i along the normal at an equilibrium \[N\], negative in tension:
+    /// the one that it remembers, or that by the law `law`.
     #[must_use]
-    pub fn stretch(&self, position: &[Vec3], bounds: &Bounds) -> Vec3 {
-        let one = position[self.first as usize] + self.arm[0];
-        one - match self.second {
-            Other::Grain(j) => position[j as usize] + self.arm[1],
-            Other::Wall(w) => wall_point(&self.arm[1], w, bounds),
-        }
-    }
-
-    /// Force of its cement on grain i along `normal` at an equilibrium \[N\], negative in tension: the
-    /// one that it remembers, or that by the law `law`.
-    #[must_use]
-    pub fn force(&self, law: &BondLaw, normal: &Vec3, position: &[Vec3], bounds: &Bounds) -> f64 {
-        match self.normal_force {
-            Some(force) => force,
-            None => self.force_by_law(law, normal, position, bounds),
-        }
+    pub fn force(&self, law: &BondLaw, position: &[Vec3], bounds: &Bounds) -> f64 {
+        self.normal_force.unwrap_or_else(|| self.force_by_law(law, position, bounds))
     }
 
     /// The normal force that it goes on from \[N\]; `None` where the law gives it.
     #[must_use]
     pub fn recalled(&self, model: &Model, position: &[Vec3], bounds: &Bounds) -> Option<f64> {
         let cement = model.cement.as_ref().filter(|_| model.is_two_step())?;
-        let normal = self.branch(position, bounds).normalize();
-        Some(self.force(&model.law_of(cement, self), &normal, position, bounds))
+        Some(self.force(&model.law_of(cement, self), position, bounds))
     }
 
-    /// Force of its cement on grain i along `normal` by the law `law` \[N\].
+    /// Force of its cement on grain i along the normal by the law `law` \[N\].
     #[must_use]
-    pub fn force_by_law(
-        &self,
-        law: &BondLaw,
-        normal: &Vec3,
-        position: &[Vec3],
-        bounds: &Bounds,
-    ) -> f64 {
-        match law {
-            BondLaw::Effective(law) => law.answer(self.branch(position, bounds).norm()).force,
-            // (4.20)
-            BondLaw::Parallel(cylinder) => {
-                -cylinder.stiffness * self.stretch(position, bounds).dot(normal)
-            }
-        }
+    pub fn force_by_law(&self, law: &BondLaw, position: &[Vec3], bounds: &Bounds) -> f64 {
+        law.answer(self.branch(position, bounds).norm()).force
     }
-}
-
-/// Where the cementing point `arm` of wall `w` is: it counts along the normal from the wall.
-#[must_use]
-pub fn wall_point(arm: &Vec3, w: u8, bounds: &Bounds) -> Vec3 {
-    let w = usize::from(w);
-    let mut at = *arm;
-    at[wall::axis(w)] += bounds.position(w);
-    at
 }

@@ -106,7 +106,7 @@ pub fn carrying<'a>(
         let (mut normal_force, mut shear, mut torsion) = (0.0, Vec3::zeros(), 0.0);
         if bond.holds() {
             let law = model.law_of(cement, bond);
-            normal_force = bond.force(&law, &normal, &state.position, &bounds);
+            normal_force = bond.force(&law, &state.position, &bounds);
             (shear, torsion) = carried.of(bond);
         }
         let (used, mode) = (0.0, Mode::Tension);

@@ -59,9 +59,6 @@ impl Loose {
         self.grains.clear();
     }
 
-    pub(super) fn count(&self) -> usize {
-        self.grains.len()
-    }
     /// Takes grain `i` as loose.
     pub(super) fn add(&mut self, i: usize) {
         if !self.is_loose[i] {
@@ -204,18 +201,14 @@ impl Local {
     }
 
     fn grip(&mut self, grip: &Grip<'_>, radius: f64) {
-        let Grip { held, traction, pull, second, beam } = grip;
+        let Grip { traction, pull, second, .. } = grip;
         self.energy += pull.potential;
         self.add_gradient(&grip.gradient(radius));
         let double = |v: [f32; 3]| Vec3::from(v.map(f64::from));
         let (n, e) = (double(traction.normal), double(traction.direction));
         let (across, sliding) = (f64::from(traction.across), f64::from(traction.sliding));
         let lever = pull.arm[usize::from(*second)] / radius;
-        let torsion = match held.is_bonded() {
-            true => held.torsion_stiffness,
-            false => f64::from(traction.torsion),
-        };
-        let twist = torsion / (radius * radius);
+        let twist = f64::from(traction.torsion) / (radius * radius);
         // The sliding displacement is ±T u + λ n̂ × w, and e·(n̂ × w) = (e × n̂)·w.
         let sign = if *second { -1.0 } else { 1.0 };
         let f = e.cross(&n);
@@ -226,22 +219,6 @@ impl Local {
         let uw = (n.cross_matrix() * across + e * f.transpose() * sliding) * (sign * lever);
         let w = (plane * across + f * f.transpose() * sliding) * (lever * lever)
             + n * n.transpose() * twist;
-        let parts = beam.map_or([u, uw, w], |arm| {
-            // A spring at the cementing point, whose way is ±u + dφ × b, and whose lever turns with
-            // the grain: b × F changes by b (F·dφ) - (b·F) dφ.
-            let (force, b) = (pull.force * sign, arm / radius);
-            let turning = b * force.transpose();
-            let even = Matrix3::identity() * (b.dot(&force) + across * b.dot(&b) * radius);
-            let turns = even
-                - (turning + turning.transpose()) * 0.5
-                - b * b.transpose() * (across * radius);
-            [
-                Matrix3::identity() * (across - bending),
-                -b.cross_matrix() * across,
-                turns / radius + n * n.transpose() * twist,
-            ]
-        });
-        let [u, uw, w] = parts;
         for (row, column, part) in [(0, 0, u), (0, 3, uw), (3, 0, uw.transpose()), (3, 3, w)] {
             let mut block = self.hessian.fixed_view_mut::<3, 3>(row, column);
             block += part;

@@ -30,7 +30,8 @@ pub(super) const LOOSE_AIM: f64 = 2.5e-3;
 /// square of the unbalanced forces: groups of grains that nothing holds stay where they are.
 const DAMPING: f64 = 0.03;
 /// Least damping of cemented packs over the reference stiffness: where bonds broke some grains hang on
-/// so little that single precision does not resolve it.
+/// so little that single precision does not resolve it. After [`PATIENCE`] it is halved in every
+/// step: what is unstable must get away.
 const CEMENT_DAMPING: f32 = 1e-6;
 /// Reduction of the residual of the step that takes contacts to stick.
 const PREDICTION: f64 = 0.1;
@@ -79,40 +80,6 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
     work.servo.search();
     work.evaluate(model, state, &state.bounds(model));
     loop {
-        if std::env::var("DBG").is_ok() {
-            eprintln!(
-                "it {iterations} res {:.3e} mean {:.3e} shifted {shifted} shifts {} max {:.2e} concave {} pot {:.12e} loose {}",
-                work.balance.largest(),
-                work.balance.sums.mean_force(),
-                work.shift.iter().filter(|s| **s > 0.0).count(),
-                work.shift.iter().fold(0.0f32, |a, b| a.max(*b)),
-                work.concave,
-                work.balance.potential(),
-                work.loose.count()
-            );
-            let g = &work.balance;
-            let (i, _) = (0..model.len())
-                .map(|i| (i, g.gradient[i].norm().max(g.moment.get(i).map_or(0.0, |m| m.norm()))))
-                .fold((0, -1.0), |b, x| if x.1 > b.1 { x } else { b });
-            eprintln!(
-                "   worst {i} g {:.2e} m {:.2e} step {:.2e} {:.2e} max {:.2e} carries {}",
-                g.gradient[i].norm(),
-                g.moment.get(i).map_or(0.0, |m| m.norm()),
-                work.step.get(i).map_or(0.0, |s| s.norm()),
-                work.turn.get(i).map_or(0.0, |s| s.norm()),
-                work.step.iter().fold(0.0f64, |a, b| a.max(b.norm())),
-                state.carries[i]
-            );
-            let bonds: Vec<_> = state
-                .bonds
-                .iter()
-                .filter(|b| {
-                    b.first as usize == i || b.second == crate::contact::Other::Grain(i as u32)
-                })
-                .map(|b| b.condition)
-                .collect();
-            eprintln!("   {bonds:?}");
-        }
         let bounds = state.bounds(model);
         let sums = work.balance.sums;
         let largest = work.balance.largest();
@@ -166,7 +133,11 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
         work.assemble(model);
         let least = FORCING[usize::from(work.reference.active || work.servo.is_active())];
         let forcing = (0.3 * tolerance / residual).clamp(least, MOST_FORCING);
-        match step(model, state, work, &bounds, forcing, largest) {
+        let least_damping = match work.reference.is_cemented() {
+            true => CEMENT_DAMPING * 0.5_f32.powi(iterations.saturating_sub(PATIENCE) as i32),
+            false => 0.0,
+        };
+        match step(model, state, work, &bounds, (forcing, least_damping), largest) {
             Some(used) => shifted = used,
             None if work.concave && work.follows => return end(Status::Unstable),
             // Rounding leaves nothing to descend: looking once more found no other minimum.
@@ -273,7 +244,7 @@ fn step(
     state: &mut State,
     work: &mut Workspace,
     bounds: &Bounds,
-    forcing: f64,
+    (forcing, least_damping): (f64, f32),
     largest: f64,
 ) -> Option<bool> {
     let sums = work.balance.sums;
@@ -293,8 +264,7 @@ fn step(
         false => 0.0,
         true => {
             let force = DAMPING * mean_square(&work.balance).sqrt();
-            let least = if work.reference.is_cemented() { CEMENT_DAMPING } else { 0.0 };
-            ((force / (cap * work.reference_stiffness)) as f32).max(least)
+            ((force / (cap * work.reference_stiffness)) as f32).max(least_damping)
         }
     };
     let mut yields = false;
@@ -302,14 +272,10 @@ fn step(
         for shift in &mut work.shift {
             *shift = shift.max(damping);
         }
-        let before = work.coupled.products;
         let inner = match largest > 0.0 {
             true => work.solve(largest, forcing, MOST_PRODUCTS),
             false => work.rest(),
         };
-        if std::env::var("DBG").is_ok() {
-            eprintln!("     inner {inner:?} products {}", work.coupled.products - before);
-        }
         if inner == Inner::NegativeCurvature {
             work.concave = true;
             let concave = |i: usize| work.reference.active && work.coupled.curvature(i) < 0.0;

@@ -94,8 +94,6 @@ pub(super) struct Grip<'a> {
     pub(super) pull: Pull,
     /// Whether the grain is the second one of the contact.
     pub(super) second: bool,
-    /// Way from the centre of the grain to its cementing point, of a parallel bond \[m\].
-    pub(super) beam: Option<Vec3>,
 }
 
 impl Grip<'_> {
@@ -146,9 +144,7 @@ impl<'a> Site<'a> {
             let held = &reference.contacts[k as usize];
             let (traction, pull) = reference.answer(held, friction.law, &pose, carries);
             if traction.live {
-                let second = held.first as usize != i;
-                let beam = reference.beam_arms(held, &pose).map(|arm| arm[usize::from(second)]);
-                take(Grip { held, traction, pull, second, beam });
+                take(Grip { held, traction, pull, second: held.first as usize != i });
             }
         }
     }

@@ -62,8 +62,6 @@ pub struct Traction {
     pub axial: f32,
     /// What cement adds to P/r \[N/m\].
     pub bending: f32,
-    /// Force along the normal of a parallel bond \[N\], whose lever turns with the grains.
-    pub push: f32,
 }
 
 /// What one contact does to the balance.

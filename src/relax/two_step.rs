@@ -260,9 +260,8 @@ pub(super) fn departure(model: &Model, state: &State) -> f64 {
     let mut off = [0.0_f64; wall::COUNT];
     for bond in state.bonds.iter().filter(|bond| bond.holds()) {
         let (Other::Wall(w), Some(force)) = (bond.second, bond.normal_force) else { continue };
-        let normal = bond.branch(&state.position, &bounds).normalize();
         let law = model.law_of(cement, bond);
-        off[usize::from(w)] += force - bond.force_by_law(&law, &normal, &state.position, &bounds);
+        off[usize::from(w)] += force - bond.force_by_law(&law, &state.position, &bounds);
     }
     off.into_iter().fold(0.0, |most, off| most.max(off.abs()))
 }

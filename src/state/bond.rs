@@ -1,6 +1,5 @@
 //! What cement between two bodies remembers.
 
-use crate::Vec3;
 use crate::contact::Other;
 use crate::contact::cement::strength::Mode;
 
@@ -18,13 +17,9 @@ pub struct Bond {
     /// Radius of the cross-section at the deposition \[m\]: a*⁽ᶜ⁾ of the effective laws (T 4.4), R̄
     /// of the parallel bond (T 4.7.1).
     pub radius: f64,
-    /// Ways from both centres to their cementing points now \[m\] (T 4.18-4.19), for the parallel
-    /// bond; for a wall's point its place. Zero with the effective laws.
-    pub arm: [Vec3; 2],
     /// Share of the cement that is left, 0 to 1.
     pub share: f64,
-    /// Work against the tangential force and the couple since the deposition (T 4.17b, c) \[J\]; of a
-    /// parallel bond it is a function of the state, and this is zero. With
+    /// Work against the tangential force and the couple since the deposition (T 4.17b, c) \[J\]. With
     /// [`normal_force`](Self::normal_force) that against the normal force too (T 4.17a).
     pub work: f64,
     /// Normal force on both bodies that the linear increments (4.1) add up to \[N\], negative in
@@ -61,18 +56,14 @@ impl Bond {
     /// The other way round: as `second` sees it, with the grains exchanged.
     #[must_use]
     pub fn exchanged(&self, first: u32, second: Other) -> Self {
-        let [a, b] = self.arm;
-        Self { first, second, arm: [b, a], ..*self }
+        Self { first, second, ..*self }
     }
 
     pub(super) fn put(&self, take: &mut dyn FnMut(&[u8])) {
         let Self { first, second, distance, overlap, radius, share, work, condition, .. } = self;
         let normal_force = self.normal_force;
-        let [a, b] = &self.arm;
         super::put_bodies(*first, *second, take);
         super::numbers(&[*distance, *overlap, *radius, *share, *work], take);
-        super::numbers(a.as_slice(), take);
-        super::numbers(b.as_slice(), take);
         if let Some(force) = normal_force {
             super::numbers(&[force], take);
         }

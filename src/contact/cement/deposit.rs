@@ -4,14 +4,11 @@
 //! deformations count from there. A parallel bond begins without load beside grains that are loaded
 //! as they were.
 
-use crate::Vec3;
 use crate::contact::Other;
 use crate::contact::neighbours::{Neighbours, wall_gap};
 use crate::model::Model;
-use crate::model::cement::BondLaw;
 use crate::scene::{Cement, CementLaw, Solution};
 use crate::state::{Bond, Condition, Ledger, State};
-use crate::wall;
 
 /// A pair of bodies that is close.
 struct Close {
@@ -52,24 +49,24 @@ pub fn deposit(model: &Model, cement: &Cement, state: &mut State) {
                 (1.0 + cement.kappa) * (effective_radius * depth).sqrt()
             }
         };
-        let mut bond = Bond {
+        let bond = Bond {
             first,
             second,
             distance,
             overlap,
             radius: deposited,
-            arm: [Vec3::zeros(); 2],
             share: 1.0,
             work: 0.0,
             normal_force: (cement.solution == Solution::TwoStep).then_some(0.0),
             condition: if is_wall && !cement.walls { Condition::Bare } else { Condition::Intact },
         };
-        if let BondLaw::Parallel(_) = model.law_of(cement, &bond) {
-            if bond.condition == Condition::Bare {
-                continue;
-            }
-            bond.arm = arms(model, state, &bond);
-        } else if overlap <= 0.0 && (is_wall && !cement.walls || bridges_nothing(cement)) {
+        let bare = bond.condition == Condition::Bare;
+        let idle = match cement.law {
+            CementLaw::Parallel(_) => bare,
+            // What is bare or has no stiffness across a gap matters where the bodies touch.
+            _ => overlap <= 0.0 && (bare || bridges_nothing(cement)),
+        };
+        if idle {
             continue;
         }
         state.bonds.push(bond);
@@ -126,27 +123,4 @@ fn nearest(model: &Model, pairs: &[Close]) -> Vec<f64> {
         *least = all;
     }
     least
-}
-
-/// The ways from both centres to the centre of the contact (4.18); at a wall the second one is the
-/// point of the wall.
-fn arms(model: &Model, state: &State, bond: &Bond) -> [Vec3; 2] {
-    let bounds = state.bounds(model);
-    let branch = bond.branch(&state.position, &bounds);
-    let normal = branch / bond.distance;
-    let ri = model.radius[bond.first as usize];
-    match bond.second {
-        Other::Grain(j) => {
-            let rj = model.radius[j as usize];
-            // Of the disc that both spheres share (T 2.16), or would if they met.
-            let r = bond.distance;
-            let arm = 0.5 * (r + (ri - rj) * (ri + rj) / r);
-            [-normal * arm, normal * (r - arm)]
-        }
-        Other::Wall(w) => {
-            let mut point = state.position[bond.first as usize] - branch;
-            point[wall::axis(usize::from(w))] = 0.0;
-            [-branch, point]
-        }
-    }
 }

@@ -1,36 +1,50 @@
 //! An elastic cylinder of cement beside the contact of the grains (T 4.7): the parallel bond.
 //!
-//! The cylinder is pinned to each body at a cementing point ξ. Its force follows the way between
-//! the two points, in every direction with the same stiffness, its couple the twist.
+//! The cylinder is pinned to each body at a cementing point, where the contact was at the deposition.
+//! Its force follows the way from one point to the other, in every direction with the same
+//! stiffness (4.20), its couple the twist (4.21). The increments (4.19) of that way are those of the
+//! contact: its part along the normal adds up to the approach since the deposition, its part across
+//! turns with the contact plane as all tangential forces do, which differs from a way that stays
+//! where it was by the square of the rotation of the plane.
 
 use std::f64::consts::PI;
 
-/// Stiffnesses of a cylinder.
+use super::effective::Normal;
+
+/// A cylinder of cement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cylinder {
     /// π R̄² Ē/L̄ \[N/m\] (4.20).
     pub stiffness: f64,
     /// π R̄⁴ Ḡ/(2 L̄) \[N m\] (4.21).
     pub torsion_stiffness: f64,
+    /// r⁽ᶜ⁾ \[m\].
+    pub distance: f64,
 }
 
 impl Cylinder {
-    /// Of radius R̄ and length L̄ \[m\] and the moduli Ē and Ḡ \[Pa\].
+    /// Of radius R̄ and length L̄ \[m\] and the moduli Ē and Ḡ \[Pa\], between bodies `distance` \[m\]
+    /// apart at the deposition, with the share `share` of its cement left.
     #[must_use]
-    pub fn new(radius: f64, length: f64, young: f64, shear: f64) -> Self {
-        let area = PI * radius * radius;
+    pub fn new(
+        [radius, length]: [f64; 2],
+        [young, shear]: [f64; 2],
+        distance: f64,
+        share: f64,
+    ) -> Self {
+        let area = share * PI * radius * radius;
         Self {
             stiffness: area * young / length,
             torsion_stiffness: 0.5 * area * radius * radius * shear / length,
+            distance,
         }
     }
 
-    /// The cylinder with that share of its cement left.
+    /// Force, stiffness and energy along the normal at the distance `distance` \[m\] (4.20, 4.26a).
     #[must_use]
-    pub fn times(&self, share: f64) -> Self {
-        Self {
-            stiffness: share * self.stiffness,
-            torsion_stiffness: share * self.torsion_stiffness,
-        }
+    pub fn answer(&self, distance: f64) -> Normal {
+        let approach = self.distance - distance;
+        let force = self.stiffness * approach;
+        Normal { force, stiffness: self.stiffness, energy: 0.5 * force * approach }
     }
 }

@@ -3,7 +3,6 @@
 use serde::{Deserialize, Serialize};
 
 use super::wall_index;
-use crate::Vec3;
 use crate::contact::Other;
 use crate::contact::cement::strength::Mode;
 use crate::state::{Bond, Condition};
@@ -22,8 +21,6 @@ pub struct BondMemory {
     pub overlap: f64,
     /// Radius of the cross-section at the deposition \[m\].
     pub radius: f64,
-    /// Ways from both centres to their cementing points \[m\]; zero where the law has none.
-    pub arm: [[f64; 3]; 2],
     /// Share of the cement that is left, 0 to 1.
     pub share: f64,
     /// Work against the tangential force and the couple since the deposition \[J\].
@@ -59,14 +56,12 @@ impl BondMemory {
             Other::Grain(j) => order[j as usize],
             Other::Wall(w) => wall_index(w),
         };
-        let [a, b] = bond.arm.map(<[f64; 3]>::from);
         Self {
             first: first.min(second),
             second: first.max(second),
             distance: bond.distance,
             overlap: bond.overlap,
             radius: bond.radius,
-            arm: if first < second { [a, b] } else { [b, a] },
             share: bond.share,
             work: bond.work,
             normal_force: bond.normal_force,
@@ -87,7 +82,6 @@ impl BondMemory {
             distance: self.distance,
             overlap: self.overlap,
             radius: self.radius,
-            arm: self.arm.map(Vec3::from),
             share: self.share,
             work: self.work,
             normal_force: self.normal_force,

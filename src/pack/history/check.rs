@@ -98,9 +98,6 @@ impl BondMemory {
         if let Some(force) = self.normal_force {
             finite(&[force]).map_err(|_| wrong(".normal_force", force, "a finite number"))?;
         }
-        for (end, arm) in self.arm.iter().enumerate() {
-            finite(arm).map_err(|fault| format!(".arm[{end}]{fault}"))?;
-        }
         match (0.0..=1.0).contains(&self.share) {
             true => Ok(()),
             false => Err(wrong(".share", self.share, "0 to 1")),

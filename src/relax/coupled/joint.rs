@@ -6,9 +6,6 @@ use crate::relax::block::Block;
 use crate::relax::lanes::{Arithmetic, Four, Lanes};
 use crate::relax::tangential::Traction;
 
-/// Lever of what resists turning alone, over the radius.
-const LONG: f32 = 1e6;
-
 /// A contact of grains i and j, in units of the reference stiffness: 64 bytes.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Joint {
@@ -46,14 +43,6 @@ impl Joint {
         let mut n = Four::default();
         n.0[axis] = 1.0;
         Self { n, axial: k, ..Self::default() }
-    }
-
-    /// Of a grain whose turning across `n` the stiffness `k` resists, or helps where that is
-    /// negative: a lever so long that the grain's displacement does not count.
-    pub(super) fn turning(n: [f32; 3], k: f32) -> Self {
-        let [x, y, z] = n;
-        let across = k / (LONG * LONG);
-        Self { n: Four([x, y, z, 0.0]), across, axial: across, lever: [LONG; 2], ..Self::default() }
     }
 
     /// Of a contact that carries shear, and may be open; `over_radius` is 1/R of both grains,

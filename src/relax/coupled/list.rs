@@ -33,19 +33,14 @@ pub(super) struct List {
     pub(super) pattern: Pattern,
     /// Contacts between grains.
     pub(super) joints: Vec<Joint>,
-    /// Contacts of a grain with walls, and what else concerns it alone.
+    /// Contacts of a grain with walls.
     pub(super) walls: Vec<(u32, Joint)>,
-    /// Scratch: what the pushes of parallel bonds do to the turning of each grain.
-    turnings: Vec<(u32, Joint)>,
 }
 
 impl List {
     /// Memory that its lists hold \[bytes\].
     pub(super) fn heap_bytes(&self) -> usize {
-        self.pattern.heap_bytes()
-            + heap::bytes(&self.joints)
-            + heap::bytes(&self.walls)
-            + heap::bytes(&self.turnings)
+        self.pattern.heap_bytes() + heap::bytes(&self.joints) + heap::bytes(&self.walls)
     }
 
     /// Forgets all contacts.
@@ -60,8 +55,6 @@ impl List {
         let Sources { balance, near, reference, over_radius, scale } = sources;
         self.clear();
         self.first = grains.start;
-        self.find_turnings(&grains, sources);
-        let mut turning = 0;
         let skipped = reference.contacts.partition_point(|h| (h.first as usize) < grains.start);
         let tractions = &balance.tractions[skipped..];
         let mut held = reference.contacts[skipped..].iter().zip(tractions).peekable();
@@ -99,12 +92,6 @@ impl List {
                     Other::Wall(_) => self.walls.push((i as u32, sheared(None, i, t))),
                 }
             }
-            while let Some(&(grain, joint)) = self.turnings.get(turning)
-                && grain as usize == i
-            {
-                self.walls.push((grain, joint));
-                turning += 1;
-            }
             self.pattern.end(row + 1);
             for (axis, &k) in
                 balance.wall_stiffness[i].iter().enumerate().filter(|(_, k)| **k != 0.0)
@@ -112,34 +99,6 @@ impl List {
                 self.walls.push((i as u32, Joint::wall(axis, k)));
             }
         }
-    }
-
-    /// The lever b of a parallel bond turns with its grain: with the force F of the bond the moment
-    /// b × F then changes as if -(b·n̂) F·n̂ were a stiffness, negative where the bond is pressed.
-    fn find_turnings(&mut self, grains: &Range<usize>, sources: Sources<'_>) {
-        let Sources { balance, reference, over_radius, scale, .. } = sources;
-        self.turnings.clear();
-        if !reference.is_cemented() {
-            return;
-        }
-        for (held, t) in reference.contacts.iter().zip(&balance.tractions) {
-            if t.push == 0.0 {
-                continue;
-            }
-            let second = match held.second {
-                Other::Grain(j) => Some(j),
-                Other::Wall(_) => None,
-            };
-            for (arm, grain) in t.arm.into_iter().zip([Some(held.first), second]) {
-                let Some(grain) = grain.filter(|&grain| grains.contains(&(grain as usize))) else {
-                    continue;
-                };
-                let over = over_radius[grain as usize];
-                let k = -arm * t.push * over * over * scale;
-                self.turnings.push((grain, Joint::turning(t.normal, k)));
-            }
-        }
-        self.turnings.sort_by_key(|&(grain, _)| grain);
     }
 
     #[inline(always)]

@@ -116,7 +116,7 @@ impl<'a> Hessian<'a> {
             forces[w] += push;
         }
         for slope in &self.slopes {
-            self.add(slope, grains, walls, (&mut gradient, &mut forces));
+            self.add(slope, grains, walls, &mut gradient);
         }
         (gradient, forces)
     }
@@ -127,7 +127,7 @@ impl<'a> Hessian<'a> {
         slope: &Slope,
         grains: &[Vec3],
         walls: &[f64; wall::COUNT],
-        (gradient, forces): (&mut [Vec3], &mut [f64; wall::COUNT]),
+        gradient: &mut [Vec3],
     ) {
         let n = self.model.len();
         let radius = &self.model.radius;
@@ -143,11 +143,8 @@ impl<'a> Hessian<'a> {
                 gradient[n + j] += by.moment[1] / radius[j];
             }
             Other::Wall(w) => {
-                let w = usize::from(w);
-                let by = slope.changed(&grains[i], walls[w], [turned(i), Vec3::zeros()]);
-                if slope.presses() {
-                    forces[w] += by.force[wall::axis(w)] * wall::inward(w);
-                }
+                let by =
+                    slope.changed(&grains[i], walls[usize::from(w)], [turned(i), Vec3::zeros()]);
                 gradient[i] -= by.force;
                 gradient[n + i] += by.moment[0] / radius[i];
             }

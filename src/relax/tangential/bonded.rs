@@ -1,17 +1,14 @@
 //! Cemented contacts at the reference configuration, and their answers in another (T 4.4, 4.7).
 //!
-//! With an effective law a contact is one that sticks (T 4.5, 4.7) and whose normal force follows
-//! the distance alone. A parallel bond is a spring between two cementing points, each of which
-//! moves with its body.
-
-use nalgebra::Rotation3;
+//! A cemented contact is one that sticks (T 4.5, 4.7, 4.20) and whose normal force follows the
+//! distance alone; beside a parallel bond the grains press on each other as ever.
 
 use crate::Vec3;
 use crate::contact::neighbours::wall_gap;
-use crate::contact::{Other, coulomb, mindlin};
+use crate::contact::{Other, mindlin};
 use crate::heap;
 use crate::model::Model;
-use crate::model::cement::{BondLaw, wall_point};
+use crate::model::cement::BondLaw;
 use crate::relax::balance::Sums;
 use crate::relax::tangential::held::{Held, Pair, Pose};
 use crate::relax::tangential::{Pull, Reference, Traction};
@@ -22,20 +19,15 @@ use crate::wall::{self, Bounds};
 /// Least effective radius in shear and torsion over that at the deposition.
 const FAINT_RADIUS: f64 = 1e-6;
 
-/// Least torsional stiffness of the linearisation over that of the spring on the arm of the contact.
-const LEAST_TWIST: f64 = 1e-3;
-
 /// Cement of one contact at the reference configuration.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bonded {
     /// Place among the bonds of the state.
     place: u32,
     pub(super) law: BondLaw,
-    /// Ways from the centres to the cementing points of a parallel bond \[m\] ([`Bond::arm`]).
-    pub(super) arm: [Vec3; 2],
     /// r at the reference \[m\].
     distance: f64,
-    /// Energy of the normal force, or of the whole spring, at the reference \[J\].
+    /// Energy of the normal force at the reference \[J\].
     pub(super) carried_energy: f64,
     /// Overlap of a Hertz contact of the same radius \[m\]: the measure of how far a step may go.
     overlap: f64,
@@ -67,27 +59,20 @@ impl Held {
         let overlap = reach - distance;
         let mut held = Self::new(&pair, carried, [branch, normal], [overlap, 0.0], false);
         let law = model.law_of(cement, bond);
-        let carried_energy = match &law {
+        let carried_energy = match bond.normal_force {
             // The work of its bond holds that too.
-            BondLaw::Effective(_) if bond.normal_force.is_some() => 0.0,
-            BondLaw::Effective(law) => law.answer(distance).energy,
-            BondLaw::Parallel(cylinder) => {
-                0.5 * cylinder.stiffness * bond.stretch(position, bounds).norm_squared() // (4.26a)
-            }
+            Some(_) => 0.0,
+            None => law.answer(distance).energy,
         };
         let bonded = Bonded {
             place: place as u32,
             law,
-            arm: bond.arm,
             distance,
             carried_energy,
             overlap: bond.radius * bond.radius / pair.effective_radius,
         };
         held.freeze_bond(&bonded, &pair, cement, friction.torsion, distance);
-        held.carried_energy = match law {
-            BondLaw::Effective(_) => bond.work,
-            BondLaw::Parallel(_) => held.twist_energy(carried.torsion),
-        };
+        held.carried_energy = bond.work;
         Some((held, bonded))
     }
 
@@ -131,31 +116,6 @@ impl Bonded {
     pub(super) fn place(&self) -> usize {
         self.place as usize
     }
-
-    /// The cementing arms of the contact `held` after its bodies turned by `turned`.
-    fn arms(&self, held: &Held, turned: [Vec3; 2]) -> [Vec3; 2] {
-        let [one, other] = self.arm;
-        let one = Rotation3::new(turned[0]) * one;
-        match held.second {
-            Other::Grain(_) => [one, Rotation3::new(turned[1]) * other],
-            Other::Wall(_) => [one, other],
-        }
-    }
-
-    /// The cementing arms at `pose`, and the way from the second point to the first (4.19).
-    pub(super) fn stretch(
-        &self,
-        held: &Held,
-        turned: [Vec3; 2],
-        pose: &Pose<'_>,
-    ) -> ([Vec3; 2], Vec3) {
-        let arms = self.arms(held, turned);
-        let second = match held.second {
-            Other::Grain(j) => pose.position[j as usize] + arms[1],
-            Other::Wall(w) => wall_point(&arms[1], w, pose.bounds),
-        };
-        (arms, pose.position[held.first as usize] + arms[0] - second)
-    }
 }
 
 impl Reference {
@@ -163,18 +123,6 @@ impl Reference {
     #[inline(always)]
     pub(super) fn bond_of(&self, held: &Held) -> Option<&Bonded> {
         self.bonds.get(held.bond as usize)
-    }
-
-    /// The cementing arms of the parallel bond of `held` at `pose`; `None` where it has none.
-    pub(in crate::relax) fn beam_arms(&self, held: &Held, pose: &Pose<'_>) -> Option<[Vec3; 2]> {
-        let bonded = self.bond_of(held)?;
-        match bonded.law {
-            BondLaw::Parallel(_) => {
-                let turned = held.ends(pose, &self.rotation).turned;
-                Some(bonded.arms(held, turned))
-            }
-            BondLaw::Effective(_) => None,
-        }
     }
 
     /// Counts the bond of `held` at `pose` in `sums` and its force on a wall in `walls`.
@@ -234,63 +182,19 @@ impl Reference {
         (mut traction, mut pull): (Traction, Pull),
         pose: &Pose<'_>,
     ) -> (Traction, Pull) {
-        let cylinder = match &bonded.law {
-            BondLaw::Effective(law) => {
-                let distance = pull.arm[0] + pull.arm[1];
-                let normal = held.ends(pose, &self.rotation).branch / distance;
-                let answer = law.answer(distance);
-                let bending = match held.second {
-                    Other::Grain(_) => answer.force / distance,
-                    Other::Wall(_) => 0.0,
-                };
-                pull.force += normal * answer.force;
-                pull.potential += answer.energy;
-                pull.cement = answer.force.abs();
-                traction.axial = (answer.stiffness + bending) as f32;
-                traction.bending = bending as f32;
-                traction.slides = false;
-                return (traction, pull);
-            }
-            BondLaw::Parallel(cylinder) => cylinder,
+        let distance = pull.arm[0] + pull.arm[1];
+        let normal = held.ends(pose, &self.rotation).branch / distance;
+        let answer = bonded.law.answer(distance);
+        let bending = match held.second {
+            Other::Grain(_) => answer.force / distance,
+            Other::Wall(_) => 0.0,
         };
-        let ends = held.ends(pose, &self.rotation);
-        let motion = ends.motion();
-        let ([one, other], stretch) = bonded.stretch(held, ends.turned, pose);
-        let k = cylinder.stiffness;
-        let force = stretch * -k; // (4.20)
-        let torsion = coulomb::torsion(
-            held.carried.torsion,
-            motion.twist,
-            held.torsion_stiffness,
-            held.torsion_limit,
-        );
-        let couple = motion.normal * torsion.couple;
-        let second_arm = match held.second {
-            Other::Grain(_) => other,
-            Other::Wall(_) => Vec3::zeros(),
-        };
-        let arm = [-one.dot(&motion.normal), second_arm.dot(&motion.normal)];
-        pull = Pull {
-            force,
-            // (4.22)
-            moment: [force.cross(&one) - couple, second_arm.cross(&force) + couple],
-            arm,
-            potential: 0.5 * k * stretch.norm_squared() + torsion.potential, // (4.26)
-            cement: force.norm(),
-        };
-        traction = Traction {
-            live: true,
-            slides: false,
-            normal: <[f64; 3]>::from(motion.normal).map(|x| x as f32),
-            across: k as f32,
-            arm: arm.map(|arm| arm as f32),
-            // A thin cylinder hardly resists twisting; for a step of the linearised balance it does
-            // (single grains are brought to balance with the true stiffness).
-            torsion: torsion.stiffness.max(LEAST_TWIST * k * arm[0] * arm[0]) as f32,
-            axial: k as f32,
-            push: force.dot(&motion.normal) as f32,
-            ..Traction::default()
-        };
+        pull.force += normal * answer.force;
+        pull.potential += answer.energy;
+        pull.cement = answer.force.abs();
+        traction.axial = (answer.stiffness + bending) as f32;
+        traction.bending = bending as f32;
+        traction.slides = false;
         (traction, pull)
     }
 
@@ -311,22 +215,14 @@ impl Reference {
     }
 
     /// The tangential force and the couple of the bond of `held` at `pose`.
-    pub(super) fn bond_load(&self, held: &Held, bonded: &Bonded, pose: &Pose<'_>) -> (Vec3, f64) {
-        let ends = held.ends(pose, &self.rotation);
-        let motion = ends.motion();
+    pub(super) fn bond_load(&self, held: &Held, pose: &Pose<'_>) -> (Vec3, f64) {
+        let motion = held.motion(pose, &self.rotation);
         let answer = held.answer(&motion, Law::ReturnMap, &[]);
-        let shear = match &bonded.law {
-            BondLaw::Effective(_) => answer.shear.force,
-            BondLaw::Parallel(cylinder) => {
-                let force = bonded.stretch(held, ends.turned, pose).1 * -cylinder.stiffness;
-                force - motion.normal * motion.normal.dot(&force)
-            }
-        };
-        (shear, answer.torsion.couple)
+        (answer.shear.force, answer.torsion.couple)
     }
 
     /// Ends an increment of the bond of `held`, which carries `shear` and `torsion` at `pose`: puts
-    /// its work and arms into `bond` and returns the energy that it stores \[J\].
+    /// its work into `bonds` and returns the energy that it stores \[J\].
     pub(super) fn commit_bond(
         &self,
         held: &Held,
@@ -336,20 +232,11 @@ impl Reference {
         bonds: &mut [Bond],
     ) -> f64 {
         let bond = &mut bonds[bonded.place as usize];
-        let ends = held.ends(pose, &self.rotation);
-        match &bonded.law {
-            BondLaw::Effective(law) => {
-                // (4.17b, c), of a stiffness that is constant over the increment.
-                bond.work += held.energy(shear, torsion)
-                    - held.energy(&held.carried.shear, held.carried.torsion);
-                law.answer(ends.branch.norm()).energy + bond.work
-            }
-            BondLaw::Parallel(cylinder) => {
-                let (arm, stretch) = bonded.stretch(held, ends.turned, pose);
-                bond.arm = arm;
-                0.5 * cylinder.stiffness * stretch.norm_squared() + held.twist_energy(torsion)
-            }
-        }
+        // (4.17b, c), of a stiffness that is constant over the increment.
+        bond.work +=
+            held.energy(shear, torsion) - held.energy(&held.carried.shear, held.carried.torsion);
+        let distance = held.ends(pose, &self.rotation).branch.norm();
+        bonded.law.answer(distance).energy + bond.work
     }
 
     /// Memory that its lists hold \[bytes\].

@@ -47,7 +47,7 @@ impl Reference {
         for (held, traction) in self.contacts.iter().zip(&balance.tractions) {
             let motion = held.motion(&pose, &self.rotation);
             if let Some(bonded) = self.bond_of(held) {
-                let (shear, torsion) = self.bond_load(held, bonded, &pose);
+                let (shear, torsion) = self.bond_load(held, &pose);
                 ledger.stored += self.commit_bond(held, bonded, (&shear, torsion), &pose, bonds);
                 let nothing = Remembered { slides: false, layers: 0, ..held.carried };
                 memory.contacts.push(Remembered { shear, torsion, ..nothing });

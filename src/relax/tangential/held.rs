@@ -236,14 +236,6 @@ impl Held {
         self.bond != NO_BOND
     }
 
-    /// The normal of the wall that it is a contact with; zero between grains.
-    pub(super) fn wall_normal(&self) -> Vec3 {
-        match self.second {
-            Other::Grain(_) => Vec3::zeros(),
-            Other::Wall(w) => wall_normal(w),
-        }
-    }
-
     /// Whether the contact was open when its limit was renewed: it has no answer to shear.
     #[inline(always)]
     pub(super) fn is_open(&self) -> bool {

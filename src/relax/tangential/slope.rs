@@ -16,10 +16,8 @@ use crate::Vec3;
 use crate::contact::neighbours::Neighbours;
 use crate::contact::{Other, coulomb, partial_slip};
 use crate::model::Model;
-use crate::model::cement::BondLaw;
 use crate::pack::Layer;
 use crate::relax::tangential::Reference;
-use crate::relax::tangential::bonded::Bonded;
 use crate::relax::tangential::held::{Held, Motion, Pose};
 use crate::relax::tangential::turn::{Turn, turned_into_plane};
 use crate::scene::Law;
@@ -32,21 +30,6 @@ pub(in crate::relax) struct Slope {
     pub(in crate::relax) first: u32,
     /// The other body.
     pub(in crate::relax) second: Other,
-    kind: Kind,
-}
-
-/// What is linearised.
-#[derive(Clone, Copy, Debug)]
-enum Kind {
-    /// A tangential load.
-    Sliding(Sliding),
-    /// The spring of a parallel bond.
-    Beam(Beam),
-}
-
-/// A tangential load linearised.
-#[derive(Clone, Copy, Debug)]
-struct Sliding {
     normal: Vec3,
     /// 1/r \[1/m\]; 0 at a wall, whose normal does not turn.
     over_distance: f64,
@@ -74,11 +57,6 @@ pub(in crate::relax) struct Changed {
 }
 
 impl Slope {
-    /// Whether its force is not across the normal alone.
-    pub(in crate::relax) fn presses(&self) -> bool {
-        matches!(self.kind, Kind::Beam(_))
-    }
-
     /// The change when grain i moves by `moved` \[m\] against the other body and a wall by `inward`
     /// \[m\] along its normal, and both turn by `turned` \[rad\].
     pub(in crate::relax) fn changed(
@@ -87,15 +65,6 @@ impl Slope {
         inward: f64,
         turned: [Vec3; 2],
     ) -> Changed {
-        match &self.kind {
-            Kind::Sliding(sliding) => sliding.changed(moved, inward, turned),
-            Kind::Beam(beam) => beam.changed(moved, inward, turned),
-        }
-    }
-}
-
-impl Sliding {
-    fn changed(&self, moved: &Vec3, inward: f64, turned: [Vec3; 2]) -> Changed {
         let Self { normal, arm, force, .. } = self;
         let along = normal.dot(moved);
         let distance = along - inward;
@@ -131,20 +100,14 @@ impl Reference {
     pub(in crate::relax) fn slopes(&self, at: &Pose<'_>, carries: &[bool]) -> Vec<Slope> {
         let Some(friction) = &at.model.friction else { return Vec::new() };
         let live = self.contacts.iter().filter(|held| held.live(carries) && !held.is_open());
-        let kind = |held: &Held| match self.bond_of(held).map(|bonded| (bonded, bonded.law)) {
-            Some((bonded, BondLaw::Parallel(_))) => Kind::Beam(self.beam(held, bonded, at)),
-            _ => Kind::Sliding(self.sliding(held, friction.law, at)),
-        };
-        live.map(|held| Slope { first: held.first, second: held.second, kind: kind(held) })
-            .collect()
+        live.map(|held| self.slope(held, friction.law, at)).collect()
     }
 
-    /// The normal contacts of the effective laws in the configuration `at`, between grains that take
-    /// part.
+    /// The normal parts of cement in the configuration `at`, between grains that take part.
     pub(in crate::relax) fn cement_normals(&self, at: &Pose<'_>, carries: &[bool]) -> Vec<Along> {
         let live = self.contacts.iter().filter(|held| held.live(carries));
         live.filter_map(|held| {
-            let BondLaw::Effective(law) = self.bond_of(held)?.law else { return None };
+            let law = self.bond_of(held)?.law;
             let branch = held.ends(at, &self.rotation).branch;
             let distance = branch.norm();
             let answer = law.answer(distance);
@@ -159,32 +122,6 @@ impl Reference {
         .collect()
     }
 
-    fn beam(&self, held: &Held, bonded: &Bonded, at: &Pose<'_>) -> Beam {
-        let ends = held.ends(at, &self.rotation);
-        let motion = ends.motion();
-        let (arm, stretch) = bonded.stretch(held, ends.turned, at);
-        let torsion = held.torsion_stiffness;
-        let stiffness = match &bonded.law {
-            BondLaw::Parallel(cylinder) => cylinder.stiffness,
-            BondLaw::Effective(_) => 0.0,
-        };
-        let (over_distance, second) = match held.second {
-            Other::Grain(_) => (1.0 / ends.branch.norm(), arm[1]),
-            Other::Wall(_) => (0.0, Vec3::zeros()),
-        };
-        Beam {
-            normal: motion.normal,
-            over_distance,
-            wall: held.wall_normal(),
-            arm: [arm[0], second],
-            turned: ends.turned,
-            force: stretch * -stiffness,
-            couple: held.carried.torsion - torsion * motion.twist,
-            stiffness,
-            torsion,
-        }
-    }
-
     /// Takes `state` as the reference, where every contact sticks whatever it carries.
     pub(in crate::relax) fn begin_sticking(
         &mut self,
@@ -197,7 +134,7 @@ impl Reference {
         self.sticks = true;
     }
 
-    fn sliding(&self, held: &Held, law: Law, at: &Pose<'_>) -> Sliding {
+    fn slope(&self, held: &Held, law: Law, at: &Pose<'_>) -> Slope {
         let ends = held.ends(at, &self.rotation);
         let motion = ends.motion();
         let law = if held.is_bonded() { Law::ReturnMap } else { law };
@@ -228,7 +165,9 @@ impl Reference {
             }
             Other::Wall(_) => (0.0, [1.0, 0.0]),
         };
-        Sliding {
+        Slope {
+            first: held.first,
+            second: held.second,
             normal: motion.normal,
             over_distance,
             arm: motion.arm,
@@ -244,45 +183,7 @@ impl Reference {
     }
 }
 
-/// A parallel bond linearised.
-#[derive(Clone, Copy, Debug)]
-struct Beam {
-    normal: Vec3,
-    over_distance: f64,
-    /// The wall's normal, or zero.
-    wall: Vec3,
-    /// Ways from the centres to the cementing points \[m\].
-    arm: [Vec3; 2],
-    turned: [Vec3; 2],
-    force: Vec3,
-    couple: f64,
-    /// Of the spring \[N/m\].
-    stiffness: f64,
-    torsion: f64,
-}
-
-impl Beam {
-    fn changed(&self, moved: &Vec3, inward: f64, turned: [Vec3; 2]) -> Changed {
-        let Self { normal, arm, force, .. } = self;
-        // Arms turn by dφ × b, where dφ is what the sum of the increments Ω changes the rotation by.
-        let swept = [0, 1].map(|k| rotated(&self.turned[k], &turned[k]).cross(&arm[k]));
-        let change = (moved - self.wall * inward + swept[0] - swept[1]) * -self.stiffness;
-        let turning = (moved - normal * normal.dot(moved)) * self.over_distance; // dn̂
-        let twist =
-            (turned[0] - turned[1]).dot(normal) + (self.turned[0] - self.turned[1]).dot(&turning);
-        let couple = turning * self.couple - normal * (self.torsion * twist);
-        let levering = |k: usize| swept[k].cross(force) + arm[k].cross(&change);
-        Changed { force: change, moment: [-levering(0) - couple, levering(1) + couple] }
-    }
-}
-
-/// The rotation \[rad\] that leads from exp(Ω) to exp(Ω + dΩ), to first order in dΩ and second in Ω.
-fn rotated(turned: &Vec3, by: &Vec3) -> Vec3 {
-    let first = turned.cross(by);
-    by + first * 0.5 + turned.cross(&first) / 6.0
-}
-
-/// A normal contact of an effective law.
+/// The normal part of cement.
 pub(in crate::relax) struct Along {
     /// Grain i.
     pub(in crate::relax) first: u32,
