@@ -24,9 +24,6 @@ const MOST_FALLS: u32 = 10_000;
 /// times the mean force.
 const OPEN: f64 = 0.1;
 
-/// What a bond counts for, which carries shear and tension.
-const BOND: u32 = 2;
-
 /// A grain whose weight is below this share of the mean contact force floats where nothing holds
 /// it, as it would without gravity.
 const LIGHT: f64 = 1e-4;
@@ -42,8 +39,6 @@ pub fn weighs(model: &Model, i: usize, mean_force: f64) -> bool {
 pub struct Rattlers {
     /// Neighbours of the grains that need it.
     near: Rows<Near>,
-    /// What cement holds each grain to.
-    bonded: Rows<u32>,
     degree: Vec<u32>,
     stack: Vec<u32>,
 }
@@ -51,10 +46,7 @@ pub struct Rattlers {
 impl Rattlers {
     /// Memory that its lists hold \[bytes\].
     pub(crate) fn heap_bytes(&self) -> usize {
-        self.near.heap_bytes()
-            + self.bonded.heap_bytes()
-            + heap::bytes(&self.degree)
-            + heap::bytes(&self.stack)
+        self.near.heap_bytes() + heap::bytes(&self.degree) + heap::bytes(&self.stack)
     }
 }
 
@@ -81,20 +73,11 @@ pub fn find(model: &Model, state: &mut State, work: &mut Workspace) {
             }
         }
     }
-    rattlers.bonded.fill(n, || {
-        let bonded = reference.contacts.iter().filter(|held| held.is_bonded());
-        bonded
-            .flat_map(|held| match held.second {
-                Other::Grain(j) => [Some((held.first as usize, j)), Some((j as usize, held.first))],
-                Other::Wall(_) => [None, None],
-            })
-            .flatten()
-    });
     let needed = model.contacts_to_carry();
     for held in &reference.contacts {
         let shears = held.reference_overlap > least && held.present_overlap(model, state) > least;
-        // Two bonds hold a grain; one that hangs on a single bond carries nothing.
-        let counts = if held.is_bonded() { BOND } else { u32::from(shears) };
+        // Cement alone holds a grain: it goes where its neighbour goes.
+        let counts = if held.is_bonded() { needed } else { u32::from(shears) };
         match held.second {
             Other::Grain(j) => {
                 rattlers.degree[held.first as usize] += counts;
@@ -119,13 +102,6 @@ pub fn find(model: &Model, state: &mut State, work: &mut Workspace) {
             if state.carries[j] && rattlers.degree[j] < needed {
                 state.carries[j] = false;
                 rattlers.stack.push(j as u32);
-            }
-        }
-        for &j in rattlers.bonded.row(i as usize) {
-            rattlers.degree[j as usize] -= BOND;
-            if state.carries[j as usize] && rattlers.degree[j as usize] < needed {
-                state.carries[j as usize] = false;
-                rattlers.stack.push(j);
             }
         }
     }
@@ -226,7 +202,7 @@ pub fn release(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
         let holds = traction.live && !traction.slides;
         let bonded = held.is_bonded();
         if holds && (bonded || held.present_overlap(model, state) > 0.0) {
-            let counts = if bonded { BOND } else { 1 };
+            let counts = if bonded { needed } else { 1 };
             support[held.first as usize] += counts;
             if let Other::Grain(j) = held.second {
                 support[j as usize] += counts;

@@ -195,8 +195,8 @@ fn step(
     for ((at, by), radius) in state.rotation.iter_mut().zip(&x.turn).zip(&model.radius) {
         *at += by / *radius;
     }
-    for w in 0..wall::COUNT {
-        state.displacement[w] += moved[w];
+    for (at, by) in state.displacement.iter_mut().zip(moved) {
+        *at += by;
     }
     servo.step = x.drive;
     state.displacement = servo.displaced(&state.displacement, 1.0);
