@@ -92,8 +92,8 @@ fn fixed_stiffness_answers_in_proportion() {
     let pack = made(120, 1e7, 5);
     let scene = cemented("{exponential: {gamma: 0}}", "two_step");
     let [one, three] = [1e-7, 3e-7].map(|strain| walk(&scene, &pack, &[strain]).0);
-    for w in 0..wall::COUNT {
-        close(wall::NAMES[w], three[w], 3.0 * one[w], 3e-6);
+    for ((name, three), one) in wall::NAMES.iter().zip(three).zip(one) {
+        close(name, three, 3.0 * one, 3e-6);
     }
     // And the other way round.
     let back = walk(&scene, &pack, &[-1e-7]).0;
@@ -177,8 +177,8 @@ fn solutions_take_up_the_packs_of_the_other() {
     let (forces, cemented_pack) = walk(&cemented(LAWS[2], "nonlinear"), &pack, &[2e-4]);
     let (rig, report) = Rig::start(&cemented(LAWS[2], "two_step"), &cemented_pack);
     let measures = report.measures.unwrap();
-    for w in 0..wall::COUNT {
-        close(wall::NAMES[w], measures.walls.normal_force[w], forces[w], 1e-9);
+    for (w, want) in forces.iter().enumerate() {
+        close(wall::NAMES[w], measures.walls.normal_force[w], *want, 1e-9);
     }
     let history = rig.twin.pack().history.unwrap();
     assert!(history.bonds.iter().all(|bond| bond.normal_force.is_some()));

@@ -159,7 +159,7 @@ impl Run {
             Measure::Walls(walls) => self.walls.push(walls),
             Measure::Moduli(moduli) => self.moduli.push(moduli),
             Measure::Tangent(tangent) => self.tangents.push(*tangent),
-            Measure::Network(network) => self.add_network(network),
+            Measure::Network(network) => self.add_network(&network),
             Measure::Motion(motion) => self.motions.add(*motion),
             Measure::Fabric(fabric) => self.fabrics.push(*fabric),
             Measure::Hydrate(hydrate) => self.hydrates.push(hydrate),
@@ -174,10 +174,10 @@ impl Run {
     }
 
     /// A live network comes in chunks, which follow upon each other.
-    fn add_network(&mut self, network: ContactNetwork) {
+    fn add_network(&mut self, network: &ContactNetwork) {
         let size = |force: &[f64]| force.iter().map(|part| part * part).sum::<f64>().sqrt();
         let tangential = network.tangential_force.chunks_exact(3).map(size);
-        let ContactNetwork { increment, chunk, normal_force, .. } = &network;
+        let ContactNetwork { increment, chunk, normal_force, .. } = network;
         let (increment, chunk) = (*increment, *chunk);
         // Where cement broke there may be no contact.
         let carries = normal_force.iter().copied().zip(tangential).filter(|of| *of != (0.0, 0.0));
@@ -255,9 +255,9 @@ mod tests {
     #[test]
     fn chunks_of_one_equilibrium_make_one_load_and_one_network() {
         let mut run = Run::default();
-        run.add_network(network(4, 0, [3.0, 0.0, 4.0]));
-        run.add_network(network(4, 1, [0.0, -2.0, 0.0]));
-        run.add_network(network(5, 0, [0.0; 3]));
+        run.add_network(&network(4, 0, [3.0, 0.0, 4.0]));
+        run.add_network(&network(4, 1, [0.0, -2.0, 0.0]));
+        run.add_network(&network(5, 0, [0.0; 3]));
         assert_eq!(
             run.loads,
             [

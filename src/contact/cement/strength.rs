@@ -57,7 +57,7 @@ mod tests {
     fn a_bond_breaks_by_the_stress_that_reaches_its_strength_first() {
         let strength = Strength { tension: 2e6, shear: 3e6 };
         let a: f64 = 1e-5;
-        let area = 3.141_592_653_589_793 * a * a;
+        let area = PI * a * a;
         let load = |normal: f64, shear: f64, torsion: f64| Load { normal, shear, torsion };
         let close = |(x, mode): (f64, Mode), y: f64, other: Mode| {
             assert!((x - y).abs() < 1e-12 && mode == other, "{x} {mode:?}");
