@@ -4,6 +4,7 @@
 //! distance alone; beside a parallel bond the grains press on each other as ever.
 
 use crate::Vec3;
+use crate::contact::cement::effective::Effective;
 use crate::contact::neighbours::wall_gap;
 use crate::contact::{Other, mindlin};
 use crate::heap;
@@ -93,8 +94,10 @@ impl Held {
                 let radius = law.contact_radius(distance).max(least);
                 self.stiffness =
                     cement.partial_slip * mindlin::shear_stiffness(radius, pair.shear_compliance);
+                // Cement that is gone leaves less of the section, not a smaller one.
+                let whole = Effective { share: 1.0, ..*law }.contact_radius(distance).max(least);
                 self.torsion_stiffness =
-                    mindlin::torsion_stiffness(radius, pair.torsion_compliance);
+                    radius / whole * mindlin::torsion_stiffness(whole, pair.torsion_compliance);
             }
             BondLaw::Parallel(cylinder) => {
                 (self.stiffness, self.torsion_stiffness) =
