@@ -171,7 +171,7 @@ fn networks_and_grains_are_asked_for_while_somebody_looks_at_markers() {
             thread::sleep(Duration::from_millis(5));
         }
     };
-    becomes(Demand { contact_network: true, grains: true, ..small });
+    becomes(Demand { contact_network: true, grains: true, bonds: true, ..small });
     drop(viewer);
     becomes(small);
     assert_eq!(server.stop().clients, 1);
