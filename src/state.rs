@@ -203,10 +203,9 @@ impl State {
             let first = place[memory.first as usize];
             let second = pack::wall_of(memory.second)
                 .map_or_else(|| Other::Grain(place[memory.second as usize]), Other::Wall);
-            let bond = memory.bond(first, second);
             match second {
-                Other::Grain(j) if j < first => bond.exchanged(j, Other::Grain(first)),
-                _ => bond,
+                Other::Grain(j) if j < first => memory.bond(j, Other::Grain(first)),
+                _ => memory.bond(first, second),
             }
         }));
         self.bonds.sort_unstable_by_key(Bond::key);

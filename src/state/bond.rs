@@ -53,12 +53,6 @@ impl Bond {
         self.condition == Condition::Intact
     }
 
-    /// The other way round: as `second` sees it, with the grains exchanged.
-    #[must_use]
-    pub fn exchanged(&self, first: u32, second: Other) -> Self {
-        Self { first, second, ..*self }
-    }
-
     pub(super) fn put(&self, take: &mut dyn FnMut(&[u8])) {
         let Self { first, second, distance, overlap, radius, share, work, condition, .. } = self;
         let normal_force = self.normal_force;

@@ -178,14 +178,6 @@ fn second_integral(x: f64, a: impl Fn(f64) -> f64, closed: impl Fn(f64) -> f64) 
     }
 }
 
-/// Cementing of a contact with the mutual approach h⁽ᶜ⁾ `overlap` \[m\] (4.4): the radius of the
-/// grains' contact a⁽ᶜ⁾ and that of the cement a^CEM = κ a⁽ᶜ⁾ \[m\].
-#[must_use]
-pub fn deposited(effective_radius: f64, overlap: f64, kappa: f64) -> [f64; 2] {
-    let radius = (effective_radius * overlap.max(0.0)).sqrt();
-    [radius, kappa * radius]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
