@@ -170,7 +170,8 @@ impl Model {
             model.friction = model.friction.or_else(|| Some(smooth()));
         }
         if scene.dimension == 2 {
-            if matches!(scene.contact.normal, scene::Normal::Linear(linear) if linear.bond.is_some()) {
+            if matches!(scene.contact.normal, scene::Normal::Linear(linear) if linear.bond.is_some())
+            {
                 let smooth = || Friction::smooth(&model.grains, &scene.walls, torsion);
                 model.friction = model.friction.or_else(|| Some(smooth()));
             }

@@ -13,8 +13,8 @@
 pub mod advance;
 pub mod balance;
 pub mod boundary;
-pub mod contacts;
 mod commit;
+pub mod contacts;
 pub mod crack;
 mod floating;
 mod gauss_seidel;

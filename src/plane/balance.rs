@@ -273,7 +273,7 @@ pub struct Slope {
     pub columns: [Vec<f64>; SIDES],
     /// ∂²(potential)/∂(displacement)² of each side \[N/m\].
     pub corner: [f64; SIDES],
-    /// Stiffness of a grain without any, so that it stays where it is \[N/m\].
+    /// Stiffness of what is not solved for, so that it stays where it is \[N/m\].
     pub idle: f64,
 }
 
@@ -317,13 +317,13 @@ impl Slope {
             self.corner[side] += corner;
         }
         for (block, carries) in self.matrix.diagonal.iter_mut().zip(*carries) {
-            let still = if *carries && setup.turns { 0 } else { 2 };
-            for (a, row) in block.iter_mut().enumerate() {
-                // What is not solved for, and what nothing holds, stays.
-                if !carries || a >= still && still > 0 || row[a] == 0.0 {
-                    row[a] += self.idle;
-                }
-            }
+            // What is not solved for stays.
+            let solved = match (*carries, setup.turns) {
+                (false, _) => 0,
+                (true, false) => 2,
+                (true, true) => FREEDOMS,
+            };
+            (solved..FREEDOMS).for_each(|a| block[a][a] += self.idle);
         }
     }
 }

@@ -23,12 +23,12 @@ pub(super) fn commit(model: &Model, state: &mut State, work: &mut Workspace) -> 
     let mut ledger = Ledger { stored: 0.0, ..state.friction };
     let mut had = 0.0;
     {
-        let scenery = Scenery { model, setup, reference, bodies, carries: &state.carries, goes_on: false };
+        let scenery =
+            Scenery { model, setup, reference, bodies, carries: &state.carries, goes_on: false };
         let pairs = reference.pairs.iter().map(|joint| (joint, scenery.pair(joint, pose)));
         let edges = reference.edges.iter().map(|joint| (joint, scenery.edge(joint, pose)));
         for (joint, act) in pairs.chain(edges) {
-            let touches =
-                act.as_ref().is_some_and(|act| act.overlap > 0.0 || joint.bonded);
+            let touches = act.as_ref().is_some_and(|act| act.overlap > 0.0 || joint.bonded);
             if !joint.held {
                 let rubs = friction.between(joint.first, joint.second) > 0.0;
                 changes.formed += u32::from(touches && rubs);

@@ -56,13 +56,15 @@ pub fn carrying<'a>(
     contacts: &'a Contacts,
 ) -> impl Iterator<Item = Carrying<'a>> {
     let mut list = contacts.list.iter().peekable();
-    state.bonds.iter().enumerate().filter(|(_, bond)| bond.holds()).filter_map(move |(place, bond)| {
-        let key = bond.key();
-        while list.next_if(|c| (c.first, c.second) < key).is_some() {}
-        let contact = *list.next_if(|c| (c.first, c.second) == key)?;
-        let (used, mode) = used(model, strength, bond, &contact);
-        Some(Carrying { place, bond, contact, used, mode })
-    })
+    state.bonds.iter().enumerate().filter(|(_, bond)| bond.holds()).filter_map(
+        move |(place, bond)| {
+            let key = bond.key();
+            while list.next_if(|c| (c.first, c.second) < key).is_some() {}
+            let contact = *list.next_if(|c| (c.first, c.second) == key)?;
+            let (used, mode) = used(model, strength, bond, &contact);
+            Some(Carrying { place, bond, contact, used, mode })
+        },
+    )
 }
 
 /// How much of its strength a bond uses: |F_s| of f F_n + F_t (11) and, with a cut-off, -F_n of F_t (12).
@@ -90,7 +92,8 @@ pub(super) fn weakest(model: &Model, state: &State, contacts: &Contacts) -> Opti
         }
     }
     worst.map(|Carrying { place, bond, contact, used, mode }| {
-        let position = state.position[bond.first as usize] - contact.normal * lever(model, &contact);
+        let position =
+            state.position[bond.first as usize] - contact.normal * lever(model, &contact);
         let load = Load { normal: contact.force, shear: contact.shear.norm(), torsion: 0.0 };
         let crack = Crack {
             first: bond.first,

@@ -58,7 +58,8 @@ pub(super) fn drop_loose(model: &Model, state: &mut State, work: &mut Workspace)
         let Workspace { reference, bodies, pose, floating, .. } = work;
         floating.support.clear();
         floating.support.resize(model.len(), 0);
-        let scenery = Scenery { model, setup, reference, bodies, carries: &state.carries, goes_on: false };
+        let scenery =
+            Scenery { model, setup, reference, bodies, carries: &state.carries, goes_on: false };
         for joint in &reference.pairs {
             let Some(act) = scenery.pair(joint, pose) else { continue };
             let Other::Grain(j) = joint.second else { continue };
@@ -88,11 +89,7 @@ pub(super) fn drop_loose(model: &Model, state: &mut State, work: &mut Workspace)
 
 /// Moves floating grains out of those that they overlap. Those that find no room join the balance
 /// again: says whether any does.
-pub(super) fn rejoin(
-    model: &Model,
-    state: &mut State,
-    work: &mut Workspace,
-) -> bool {
+pub(super) fn rejoin(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
     if state.carries.iter().all(|carries| *carries) {
         return false;
     }

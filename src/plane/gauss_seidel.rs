@@ -4,10 +4,10 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::balance::{Act, Balance, Scenery, own_block};
 use super::boundary::{self, SIDES};
+use super::floating;
 use super::matrix::FREEDOMS;
 use super::newton::residual;
 use super::work::Workspace;
-use super::floating;
 use crate::contact::Other;
 use crate::contact::neighbours::Neighbours;
 use crate::model::Model;
@@ -189,7 +189,8 @@ fn yield_to_loads(model: &Model, state: &mut State, work: &mut Workspace) {
     }
     balance.sides = pressed;
     for drive in drives {
-        let along = |of: &[f64; SIDES]| of.iter().zip(drive.shares).map(|(f, s)| f * s).sum::<f64>();
+        let along =
+            |of: &[f64; SIDES]| of.iter().zip(drive.shares).map(|(f, s)| f * s).sum::<f64>();
         let squares = drive.shares.map(|share| share * share);
         let stiff: f64 = stiffness.iter().zip(squares).map(|(k, s)| k * s).sum();
         let way = (drive.force - along(&pressed)) / stiff.max(f64::MIN_POSITIVE);

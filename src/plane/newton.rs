@@ -17,8 +17,10 @@ use nalgebra::{SMatrix, SVector};
 use super::balance::{Balance, Pose, Scenery};
 use super::boundary::{self, SIDES};
 use super::matrix::FREEDOMS;
+use super::reference::Joint;
 use super::work::{Drive, Workspace};
 use super::{DRIVES, Vec2, floating};
+use crate::contact::Other;
 use crate::contact::neighbours::Neighbours;
 use crate::heap;
 use crate::model::Model;
@@ -41,6 +43,8 @@ const LOOKS: u32 = 25;
 /// Steps before a relaxation is given up, where the scene does not say: from grains that hardly touch to a
 /// dense pack without friction takes some hundreds.
 const MOST_STEPS: u32 = 5000;
+/// Residual below which contacts that are open stay open.
+const NEAR: f64 = 1e-5;
 /// Steps without a smaller residual after which rounding is what is left.
 const PATIENCE: u32 = 12;
 
@@ -68,9 +72,7 @@ pub(super) struct Search {
 impl Search {
     pub(super) fn heap_bytes(&self) -> usize {
         let lists = self.carried.iter().chain(&self.column).chain(&self.response);
-        heap::bytes(&self.step)
-            + heap::bytes(&self.newton)
-            + lists.map(heap::bytes).sum::<usize>()
+        heap::bytes(&self.step) + heap::bytes(&self.newton) + lists.map(heap::bytes).sum::<usize>()
     }
 }
 
@@ -124,7 +126,6 @@ pub(super) fn relax(
         outcome.iterations = iteration;
         outcome.sums = work.balance.sums;
         outcome.residual = residual(model, work);
-        if std::env::var("PT").is_ok() { eprintln!("it {iteration} res {:.3e} shift {:.2e} contacts {} carr {} unb {:?} disp {:?} force {:.3e}", outcome.residual, work.search.shift, outcome.sums.contacts, state.carries.iter().filter(|c| **c).count(), &work.unbalance(&work.balance)[..2], &state.displacement[..4], outcome.sums.mean_force()); } // DEBUG
         if !outcome.residual.is_finite() {
             outcome.status = Status::NonFinite;
             return outcome;
@@ -151,7 +152,9 @@ pub(super) fn relax(
             }
         }
         let dropped = floating::drop_loose(model, state, work);
-        if floating::rejoin(model, state, work) || dropped {
+        // A grain that nothing but the shear of an open contact pulls at would have no balance.
+        let opened = outcome.residual < NEAR && open(model, state, work);
+        if floating::rejoin(model, state, work) || dropped || opened {
             work.evaluate(model, state);
         }
         if !step(model, state, work) || !go(model, state, work) {
@@ -162,6 +165,28 @@ pub(super) fn relax(
         work.evaluate(model, state);
     }
     outcome
+}
+
+/// Takes shear from contacts that opened. Says whether there were any.
+pub(super) fn open(model: &Model, state: &State, work: &mut Workspace) -> bool {
+    let mut reference = std::mem::take(&mut work.reference);
+    let any = reference.open(|joint| overlap(model, state, work, joint));
+    work.reference = reference;
+    any
+}
+
+/// Overlap of `joint` at the pose \[m\].
+pub(super) fn overlap(model: &Model, state: &State, work: &Workspace, joint: &Joint) -> f64 {
+    let at = work.pose.at[joint.first as usize];
+    match joint.second {
+        Other::Grain(j) if state.carries[j as usize] && state.carries[joint.first as usize] => {
+            joint.reach - (at - work.pose.at[j as usize]).norm()
+        }
+        Other::Wall(b) if state.carries[joint.first as usize] => {
+            work.bodies[usize::from(b)].near(at, model.radius[joint.first as usize]).overlap
+        }
+        _ => f64::NEG_INFINITY,
+    }
 }
 
 /// Stiffness of a typical contact \[N/m\].
@@ -212,7 +237,8 @@ pub(super) fn assemble(model: &Model, state: &State, work: &mut Workspace, goes_
             column.iter_mut().zip(&work.slope.columns[side]).for_each(|(to, c)| *to += share * c);
         }
         // Grains that float go with the walls.
-        for (own, _) in column.chunks_exact_mut(FREEDOMS).zip(&state.carries).filter(|(_, c)| !**c) {
+        for (own, _) in column.chunks_exact_mut(FREEDOMS).zip(&state.carries).filter(|(_, c)| !**c)
+        {
             own.fill(0.0);
         }
     }
@@ -336,7 +362,8 @@ fn try_share(model: &Model, state: &State, work: &mut Workspace, share: f64) {
     }
     boundary::bodies(model, &work.trial_displacement, state.tilt, &mut work.bodies);
     let Workspace { reference, bodies, trial, trial_balance, .. } = work;
-    let scenery = Scenery { model, setup, reference, bodies, carries: &state.carries, goes_on: false };
+    let scenery =
+        Scenery { model, setup, reference, bodies, carries: &state.carries, goes_on: false };
     trial_balance.evaluate(&scenery, trial);
 }
 
@@ -385,7 +412,8 @@ pub(super) fn wall_force_error(model: &Model, state: &State, work: &mut Workspac
         return 0.0;
     }
     let bounds = state.bounds(model);
-    let far = bounds.min[..2].iter().chain(&bounds.max[..2]).fold(0.0_f64, |far, x| far.max(x.abs()));
+    let far =
+        bounds.min[..2].iter().chain(&bounds.max[..2]).fold(0.0_f64, |far, x| far.max(x.abs()));
     let rounding = stiffness(work) * far * f64::EPSILON * f64::from(sums.contacts).sqrt();
     let Workspace { slope, search, balance, .. } = work;
     if !slope.matrix.is_factorised() {

@@ -80,7 +80,8 @@ impl Reference {
                 let branch = at(i) - at(j);
                 let distance = branch.norm();
                 let reach = model.radius[i] + model.radius[j];
-                let mut joint = Joint::new(i as u32, Other::Grain(j as u32), reach, branch / distance);
+                let mut joint =
+                    Joint::new(i as u32, Other::Grain(j as u32), reach, branch / distance);
                 joint.modulus = near.modulus[k];
                 joint.span = distance;
                 joint.overlap = reach - distance;

@@ -128,7 +128,8 @@ impl Workspace {
         boundary::bodies(model, &state.displacement, state.tilt, &mut self.bodies);
         let Self { reference, bodies, balance, pose, .. } = self;
         let carries = &state.carries;
-        balance.evaluate(&Scenery { model, setup, reference, bodies, carries, goes_on: false }, pose);
+        balance
+            .evaluate(&Scenery { model, setup, reference, bodies, carries, goes_on: false }, pose);
     }
 
     /// Writes the pose into `state`, but for the turns, which count from the reference until the

@@ -341,7 +341,12 @@ pub(crate) fn part_of_the_way(drives: &[Drive], goal: &[Drive], share: f64) -> V
 }
 
 /// Strain that the rest of the loads will take, from the law of Hertz: h ~ P^(2/3).
-pub(crate) fn remaining_load(model: &Model, drives: &[Drive], goal: &[Drive], here: &Outcome) -> f64 {
+pub(crate) fn remaining_load(
+    model: &Model,
+    drives: &[Drive],
+    goal: &[Drive],
+    here: &Outcome,
+) -> f64 {
     let overlap_strain = here.sums.mean_overlap() / (2.0 * model.mean_radius);
     let change = |(now, goal): (&Drive, &Drive)| {
         let [now, goal] = [now.load, goal.load].map(|load| load.force(1.0));

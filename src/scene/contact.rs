@@ -36,7 +36,12 @@ pub enum Rotation {
 
 impl Default for Contact {
     fn default() -> Self {
-        Self { normal: Normal::Hertz, friction: Friction::None, torsion: true, rotation: Rotation::Free }
+        Self {
+            normal: Normal::Hertz,
+            friction: Friction::None,
+            torsion: true,
+            rotation: Rotation::Free,
+        }
     }
 }
 

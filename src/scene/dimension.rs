@@ -8,7 +8,8 @@ pub(super) fn check(scene: &Scene, problems: &mut Problems) {
     let mut not = |field: Field, text: &str| problems.add(field, text);
     if scene.dimension != 2 {
         if matches!(scene.contact.normal, Normal::Linear(_)) {
-            let text = "linear contacts are those of discs; allowed: hertz, cement, or `dimension: 2`";
+            let text =
+                "linear contacts are those of discs; allowed: hertz, cement, or `dimension: 2`";
             not(at.key("contact").key("normal"), text);
         }
         if scene.contact.rotation == Rotation::Locked {

@@ -59,7 +59,8 @@ pub(crate) fn loose(columns: usize, rows: usize, seed: u64, friction: f64) -> Pa
     for row in 0..rows {
         for column in 0..columns {
             let radius = RADIUS * (0.7 + 0.6 * rng.random::<f64>());
-            let mut near = |k: usize| (k as f64 + 0.5) * pitch + 0.02 * RADIUS * rng.random::<f64>();
+            let mut near =
+                |k: usize| (k as f64 + 0.5) * pitch + 0.02 * RADIUS * rng.random::<f64>();
             let (x, y) = (near(column), near(row));
             grains.push(disc(x, y, radius, friction));
         }

@@ -81,7 +81,8 @@ impl Front {
                     continue;
                 }
                 // Column of the pivot, row of the other one; the entry has the smaller grain's row.
-                let (row, block) = (FREEDOMS * place[other as usize] as usize, &pairs[entry as usize]);
+                let (row, block) =
+                    (FREEDOMS * place[other as usize] as usize, &pairs[entry as usize]);
                 for a in 0..FREEDOMS {
                     for b in 0..FREEDOMS {
                         let value = if grain < other { block[a][b] } else { block[b][a] };
