@@ -135,7 +135,7 @@ fn a_ball_too_heavy_for_its_plates_slides_until_a_wall_takes_the_rest() {
     }
 }
 
-/// The five-bead pyramid of tests/closed_forms.rs at the strain `eps`: its walls, and its beads.
+/// The five-bead pyramid of tests/equilibrium/closed_forms.rs at the strain `eps`: its walls, and its beads.
 fn pyramid(eps: f64) -> Pack {
     let edge = 2.0 * R * (1.0 - eps);
     let force = 4.0 / 3.0 * E_GRAINS * (0.5 * R).sqrt() * (2.0 * R * eps).powf(1.5);
