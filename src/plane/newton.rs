@@ -109,7 +109,8 @@ fn heaviest(model: &Model) -> f64 {
 /// over the mean contact force.
 pub(super) fn residual(model: &Model, work: &Workspace) -> f64 {
     let walls = work.unbalance(&work.balance).iter().fold(0.0_f64, |most, f| most.max(f.abs()));
-    largest(&work.balance).max(walls) / unit_force(model, work)
+    let unbalanced = largest(&work.balance).max(walls);
+    if unbalanced <= model.rounding_force { 0.0 } else { unbalanced / unit_force(model, work) }
 }
 
 /// Relaxes `state` from where it is; the pose and the reference are those of `work`.

@@ -4,4 +4,5 @@
 
 mod balance;
 mod biaxial;
+mod crystal;
 mod discs;
