@@ -5,8 +5,8 @@ use super::strength::MohrCoulomb;
 
 /// E and ν as B has them (A.80-A.83), for contacts of stiffness kn \[N/m\] and κ = ks/kn.
 ///
-/// A.77 averages the strains of the contacts' own projections, which is not the strain of the pack
-/// unless grains shear apart nowhere: E lies above what any pack can have, [`uniform`].
+/// A.77 averages the strains of the contacts' own projections, which is not the strain of the pack.
+/// For κ > 1, which is for all grains, E and G lie above their upper bounds ([`uniform`]).
 #[must_use]
 pub fn averaged(contact_density: f64, kn: f64, diameter: f64, kappa: f64) -> Hooke {
     Hooke {
@@ -16,7 +16,7 @@ pub fn averaged(contact_density: f64, kn: f64, diameter: f64, kappa: f64) -> Hoo
 }
 
 /// E and ν when every grain moves with the strain of the pack and none turns: upper bounds of K, G
-/// and E for contacts in all directions alike, and exact in a crystal.
+/// and E for contacts in all directions alike, and exact in a [crystal](super::crystal).
 ///
 /// K = n_c/v kn/4d̄ is A.85; G = n_c/v (kn + ks)/8d̄ follows from A.42-A.45 with F_n = kn d̄ ε:n⊗n and
 /// F_s = ks d̄ ε:n⊗t.

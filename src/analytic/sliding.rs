@@ -29,7 +29,8 @@ impl Slides {
         Tensor { xx: -both * s * c, yy: both * s * c, xy: 0.5 * odd * (c * c - s * s) }
     }
 
-    /// Rotations \[rad\] of a line along σ1 and of one along σ3 (A.33, A.34).
+    /// Rotations \[rad\] of a line along σ1 and of one along σ3 (A.33, A.34), counter-clockwise with
+    /// σ3 along x and σ1 along y.
     #[must_use]
     pub fn rotations(&self) -> [f64; 2] {
         let (s, c) = self.plane.sin_cos();
@@ -39,8 +40,8 @@ impl Slides {
         [axial, lateral]
     }
 
-    /// i \[rad\], by which the major strain is turned from σ1 (A.37): at most φ'/2 either way
-    /// (A.38). Nothing when nothing slides.
+    /// i \[rad\], by which the major strain is turned from σ1, clockwise with σ1 along y (A.37): at
+    /// most φ'/2 either way (A.38). Nothing when nothing slides.
     #[must_use]
     pub fn non_coaxiality(&self) -> Option<f64> {
         let strain = self.strain();
