@@ -6,6 +6,7 @@
 //! What cannot be drawn (NaN, infinity, zero on a logarithmic axis) breaks a line; a series
 //! without a single point is left out, and the chart says so.
 
+pub mod biaxial;
 mod chart;
 mod draw;
 #[cfg(feature = "mcap")]
@@ -23,6 +24,7 @@ pub mod picture;
 mod precision;
 #[cfg(feature = "png")]
 mod raster;
+pub mod rose;
 #[cfg(feature = "mcap")]
 mod run;
 mod scale;

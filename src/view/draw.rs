@@ -103,17 +103,28 @@ fn frame(chart: &Chart, [left, top]: [f64; 2], [right, bottom]: [f64; 2]) -> Opt
         let bands = chart.shown().flat_map(|series| chart.bands(series));
         bands.flatten().flat_map(|[_, low, high]| [low, high])
     };
-    let y = Scale::fit(&chart.y, coordinate(1).chain(spread()), 5)?;
-    let x = Scale::fit(&chart.x, coordinate(0), 6)?;
+    let plane = [&chart.x, &chart.y].iter().all(|axis| axis.kind == Kind::Plane);
+    let (y, x) = if plane {
+        let all = || coordinate(0).chain(coordinate(1));
+        (Scale::fit(&chart.y, all(), 4)?, Scale::fit(&chart.x, all(), 4)?)
+    } else {
+        let values = coordinate(1).chain(spread());
+        (Scale::fit(&chart.y, values, 5)?, Scale::fit(&chart.x, coordinate(0), 6)?)
+    };
     let widest = y.ticks.labels.iter().map(|label| width(label, LABEL)).fold(0.0, f64::max);
-    Some(Frame {
+    let mut frame = Frame {
         left: left + widest + 40.0,
         right: right - 22.0,
         top: top + 6.0,
         bottom: bottom - 46.0,
         x,
         y,
-    })
+    };
+    if plane {
+        let side = f64::min(frame.right - frame.left, frame.bottom - frame.top);
+        (frame.right, frame.bottom) = (frame.left + side, frame.top + side);
+    }
+    Some(frame)
 }
 
 fn axes(svg: &mut Svg, frame: &Frame, chart: &Chart) {

@@ -5,6 +5,7 @@
 mod contacts;
 mod crystal;
 mod cylinder;
+mod drawn;
 mod fits;
 mod plane;
 mod printed;
