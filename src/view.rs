@@ -6,6 +6,7 @@
 //! What cannot be drawn (NaN, infinity, zero on a logarithmic axis) breaks a line; a series
 //! without a single point is left out, and the chart says so.
 
+pub mod beside;
 pub mod biaxial;
 mod chart;
 mod draw;
@@ -16,6 +17,7 @@ pub mod foxglove;
 #[cfg(feature = "mcap")]
 mod history;
 mod layout;
+pub mod mohr;
 #[cfg(feature = "mcap")]
 mod motions;
 #[cfg(feature = "mcap")]

@@ -1,6 +1,7 @@
 //! Biaxial tests beside the bilinear material (B figures 15 to 21, A.5).
 
-use super::{Axis, Chart, Pattern, Series, Stroke, Unit};
+use super::beside::{Beside, lines};
+use super::{Axis, Chart, Series, Unit};
 use crate::analytic::fit::biaxial::Test;
 use crate::analytic::model::Bilinear;
 
@@ -47,22 +48,21 @@ fn series(
     measured: &dyn Fn(&Test, usize) -> f64,
     predicted: Predicted,
 ) -> Vec<Series> {
-    let mut all = Vec::new();
-    for (number, drawn) in tests.iter().enumerate() {
+    let quantity = |drawn: &Drawn| {
         let test = &drawn.test;
         let lengths = [test.area_strain, test.major, test.minor].map(<[f64]>::len);
         let count = lengths.into_iter().fold(test.axial_strain.len(), usize::min);
         let strain = |place: usize| test.axial_strain[place] - test.axial_strain[0];
-        let points = (0..count).map(|place| [strain(place), measured(test, place)]);
-        all.push(Series::new(number, drawn.name, points));
         let last = (0..count).map(strain).fold(0.0, f64::max);
-        if let Some(material) = drawn.material.filter(|_| count > 0) {
+        let curve = |material: Bilinear| {
             let bend = material.failure_strain(test.minor[0]).clamp(0.0, last);
-            let points =
-                [0.0, bend, last].map(|strain| [strain, predicted(drawn, &material, strain)]);
-            let stroke = Stroke { pattern: Pattern::Dashed, width: 1.4, ..Stroke::of(number) };
-            all.push(Series { stroke, ..Series::new(number, "", points) });
+            [0.0, bend, last].map(|strain| [strain, predicted(drawn, &material, strain)]).to_vec()
+        };
+        Beside {
+            name: drawn.name.into(),
+            measured: (0..count).map(|place| [strain(place), measured(test, place)]).collect(),
+            predicted: drawn.material.filter(|_| count > 0).map_or_else(Vec::new, curve),
         }
-    }
-    all
+    };
+    lines(&tests.iter().map(quantity).collect::<Vec<_>>())
 }

@@ -8,6 +8,7 @@ use graintwin::analytic::model::Bilinear;
 use graintwin::analytic::strength::MohrCoulomb;
 use graintwin::analytic::tensor::Tensor;
 use graintwin::view::biaxial::{self, Drawn};
+use graintwin::view::mohr::{self, Failures};
 use graintwin::view::rose::{self, ByDirection, Predicted};
 use graintwin::view::{Chart, Pattern, Sheet};
 use roxmltree::Document;
@@ -47,6 +48,25 @@ fn a_test_of_the_bilinear_material_lies_on_its_curves() {
     assert_eq!(empty.material(0.01), None);
     let charts = biaxial::charts(&[Drawn { name: "", test: empty, material: Some(read) }]);
     assert!(charts.iter().all(Chart::is_empty));
+}
+
+#[test]
+fn circles_touch_the_line_of_their_strength() {
+    let rock = MohrCoulomb { friction: 0.38, cohesion: 9.3e6 };
+    let states = [0.0, 2e6, 1e7].map(|minor| [minor, rock.major(minor)]);
+    let chart = mohr::chart(&[Failures { name: "A", states: &states, strength: Some(rock) }]);
+    let [circles, line] = chart.series.as_slice() else { panic!("{chart:?}") };
+    let [[x0, y0], [x1, y1]] = [line.points[0], line.points[1]];
+    // How far the circles stay below the line.
+    let below = |[x, y]: &[f64; 2]| y0 + (y1 - y0) / (x1 - x0) * (x - x0) - y;
+    let pieces = circles.points.split(|[x, _]| x.is_nan()).filter(|piece| !piece.is_empty());
+    let least: Vec<f64> =
+        pieces.map(|piece| piece.iter().map(below).fold(f64::MAX, f64::min)).collect();
+    assert_eq!(least.len(), 3);
+    // Within a step along the circle of the place where it touches.
+    assert!(least.iter().all(|&least| (-1e-3..1e4).contains(&least)), "{least:?}");
+    near(y0, 0.0, 1e-6);
+    assert!(mohr::chart(&[]).is_empty());
 }
 
 #[test]

@@ -123,6 +123,13 @@ fn plastic_strain_grows_along_the_stress() {
     // Without dilatancy the area stays, and no shear has no angle.
     near(flow::plastic(1e-3, 0.0, beta).mean(), 0.0, 1e-18);
     assert_eq!(flow::dilatancy(1.0, 1.0), None);
+    assert_eq!(flow::dilatancy(1.0, 0.1), None);
+    assert_eq!(flow::dilatancy(f64::NAN, 0.0), None);
+    // A band is as long as before: no strain along it, with σ3 along x.
+    let strain = flow::plastic(1e-3, psi, FRAC_PI_2);
+    let (s, c) = flow::band(psi).sin_cos();
+    let [x, y] = strain.along(flow::band(psi));
+    near(c * x + s * y, 0.0, 1e-18);
 }
 
 /// How a point moves when a block slides to the left and right by small shears along its planes.

@@ -3,7 +3,7 @@
 use graintwin::analytic::bend::Beam;
 use graintwin::analytic::strength::{Mechanism, MohrCoulomb};
 use graintwin::analytic::tensor::Tensor;
-use graintwin::analytic::{cemented, contact, cylinder, sand};
+use graintwin::analytic::{cemented, contact, cylinder, flow, sand};
 
 use crate::near;
 
@@ -60,6 +60,15 @@ fn principal_directions_in_simple_shear() {
     }
     let rotations = [Mechanism::Horizontal, Mechanism::Vertical, Mechanism::Lateral];
     assert_eq!(rotations.map(Mechanism::rotation), [0.0, 1.0, 0.5]); // (30)
+}
+
+#[test]
+fn strength_and_bands_of_sand() {
+    // (25), (26), (27).
+    let sand = MohrCoulomb { friction: 30.2 * DEGREE, cohesion: 0.0 };
+    near(sand.ratio(), 3.02, 0.01);
+    near(1.0 / sand.ratio(), 0.33, 0.005);
+    near(flow::band(14.2 * DEGREE) / DEGREE, 52.0, 0.5);
 }
 
 #[test]

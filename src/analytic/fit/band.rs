@@ -28,7 +28,8 @@ const TELLING: f64 = 1e-3;
 /// A shear band.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShearBand {
-    /// Angle \[rad\] of the band to the x-axis, from -π/2 to π/2: 27 has π/4 + ψ/2.
+    /// Angle \[rad\] of the band to the x-axis, from -π/2 to π/2; see
+    /// [`crate::analytic::flow::band`].
     pub angle: f64,
     /// \[m\].
     pub thickness: f64,

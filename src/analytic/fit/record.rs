@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::line::line;
+use crate::analytic::flow;
 
 /// Share of the peak up to which a test counts as having just begun.
 const BEGIN: f64 = 0.25;
@@ -55,12 +56,12 @@ pub fn poisson(axial_strain: &[f64], area_strain: &[f64], places: Range<usize>) 
     slope(axial_strain, area_strain, places).map(|slope| 1.0 - slope)
 }
 
-/// ψ \[rad\] over `places` (A.21), positive when the area grows.
+/// ψ \[rad\] over `places` (A.21), positive when the area grows; nothing where both sides close in.
 #[must_use]
 pub fn dilatancy(axial_strain: &[f64], area_strain: &[f64], places: Range<usize>) -> Option<f64> {
+    // Per ε̇1, with ε̇3 the rest of the change of the area.
     let slope = slope(axial_strain, area_strain, places)?;
-    let sine = slope / (slope - 2.0);
-    (slope < 2.0).then(|| sine.clamp(-1.0, 1.0).asin())
+    flow::dilatancy(1.0, slope - 1.0)
 }
 
 /// Greatest ψ \[rad\] over any stretch that is `width` of axial strain long, and the places of it.
