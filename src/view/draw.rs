@@ -103,14 +103,8 @@ fn frame(chart: &Chart, [left, top]: [f64; 2], [right, bottom]: [f64; 2]) -> Opt
         let bands = chart.shown().flat_map(|series| chart.bands(series));
         bands.flatten().flat_map(|[_, low, high]| [low, high])
     };
-    let plane = [&chart.x, &chart.y].iter().all(|axis| axis.kind == Kind::Plane);
-    let (y, x) = if plane {
-        let all = || coordinate(0).chain(coordinate(1));
-        (Scale::fit(&chart.y, all(), 4)?, Scale::fit(&chart.x, all(), 4)?)
-    } else {
-        let values = coordinate(1).chain(spread());
-        (Scale::fit(&chart.y, values, 5)?, Scale::fit(&chart.x, coordinate(0), 6)?)
-    };
+    let y = Scale::fit(&chart.y, coordinate(1).chain(spread()), 5)?;
+    let x = Scale::fit(&chart.x, coordinate(0), 6)?;
     let widest = y.ticks.labels.iter().map(|label| width(label, LABEL)).fold(0.0, f64::max);
     let mut frame = Frame {
         left: left + widest + 40.0,
@@ -120,9 +114,12 @@ fn frame(chart: &Chart, [left, top]: [f64; 2], [right, bottom]: [f64; 2]) -> Opt
         x,
         y,
     };
-    if plane {
-        let side = f64::min(frame.right - frame.left, frame.bottom - frame.top);
-        (frame.right, frame.bottom) = (frame.left + side, frame.top + side);
+    if [&chart.x, &chart.y].iter().all(|axis| axis.kind == Kind::Plane) {
+        let (width, height) = (frame.x.span(), frame.y.span());
+        let [across, up] =
+            [(frame.right - frame.left) / width, (frame.bottom - frame.top) / height];
+        let pixels = across.min(up);
+        (frame.right, frame.bottom) = (frame.left + pixels * width, frame.top + pixels * height);
     }
     Some(frame)
 }

@@ -114,6 +114,12 @@ impl Scale {
         self.place_of_tick(value / self.factor)
     }
 
+    /// From the first tick to the last, in the unit of the values.
+    pub(super) fn span(&self) -> f64 {
+        let (first, last) = self.ticks.range();
+        (last - first) * self.factor
+    }
+
     /// Where a tick is.
     pub(super) fn place_of_tick(&self, value: f64) -> f64 {
         let (first, last) = self.ticks.range();

@@ -66,6 +66,10 @@ fn circles_touch_the_line_of_their_strength() {
     // Within a step along the circle of the place where it touches.
     assert!(least.iter().all(|&least| (-1e-3..1e4).contains(&least)), "{least:?}");
     near(y0, 0.0, 1e-6);
+    // Half circles are as high as half of their width.
+    let [width, height] = span(&chart);
+    assert!(width > 50.0);
+    near(width, 2.0 * height, 0.5);
     assert!(mohr::chart(&[]).is_empty());
 }
 
@@ -88,8 +92,15 @@ fn roses_are_round_and_as_long_as_the_forces() {
         close(longest(chart, 0), length, 1e-12);
         assert_eq!(chart.series[0].stroke.pattern, Pattern::Dots);
     }
+    let [width, height] = span(&charts[0]);
+    assert!(width > 100.0);
+    near(width, height, 0.5);
+}
+
+/// Width and height of the first line of a chart as it is drawn \[pixels\].
+fn span(chart: &Chart) -> [f64; 2] {
     let sheet =
-        Sheet { title: "rose".into(), subtitle: String::new(), charts: vec![charts[0].clone()] };
+        Sheet { title: String::new(), subtitle: String::new(), charts: vec![chart.clone()] };
     let text = sheet.to_svg();
     let svg = Document::parse(&text).unwrap();
     let series = svg.descendants().filter(|node| node.attribute("class") == Some("series"));
@@ -98,10 +109,8 @@ fn roses_are_round_and_as_long_as_the_forces() {
     let places = line.split(' ').map(|place| place.split_once(',').unwrap());
     let (x, y): (Vec<f64>, Vec<f64>) =
         places.map(|(x, y)| (x.parse::<f64>().unwrap(), y.parse::<f64>().unwrap())).unzip();
-    let span = |values: &[f64]| {
+    [x, y].map(|values| {
         let ends = values.iter().fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
         ends.1 - ends.0
-    };
-    assert!(span(&x) > 100.0);
-    near(span(&x), span(&y), 0.5); // pixels
+    })
 }
