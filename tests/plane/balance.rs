@@ -126,7 +126,7 @@ fn stiffnesses_are_derivatives_of_the_forces() {
     let mut slope = Slope::default();
     let near = &probe.near;
     let positions: Vec<[f64; 2]> = probe.pose.at.iter().map(|at| [at.x, at.y]).collect();
-    slope.matrix.arrange(&positions, &near.start, &near.second);
+    slope.matrix.arrange(&positions, &near.start, &near.second, |_| true);
     probe.with(&probe.pose, still, |scenery, pose| {
         let mut slope = slope.clone();
         slope.assemble(scenery, pose, false);
