@@ -31,7 +31,6 @@ pub struct Matrix {
     factors: Vec<f64>,
     /// What the fronts leave to those above them, as a stack.
     stack: Vec<f64>,
-    dense: Vec<f64>,
     place: Vec<u32>,
     scratch: Vec<f64>,
     factorised: bool,
@@ -68,12 +67,12 @@ impl Matrix {
     /// definite; if not the factors are of no use.
     pub fn factorise(&mut self, shift: f64) -> bool {
         self.factorisations += 1;
-        let Self { diagonal, pairs, tree, fronts, factors, stack, dense, place, .. } = self;
+        let Self { diagonal, pairs, tree, fronts, factors, stack, place, .. } = self;
         factors.clear();
         stack.clear();
-        self.factorised = fronts.iter_mut().all(|front| {
-            front.factorise(tree, (diagonal, pairs), shift, factors, stack, dense, place)
-        });
+        self.factorised = fronts
+            .iter_mut()
+            .all(|front| front.factorise(tree, (diagonal, pairs), shift, factors, stack, place));
         self.factorised
     }
 
@@ -101,7 +100,6 @@ impl Matrix {
             + heap::bytes(&self.fronts)
             + heap::bytes(&self.factors)
             + heap::bytes(&self.stack)
-            + heap::bytes(&self.dense)
             + heap::bytes(&self.place)
             + heap::bytes(&self.scratch)
             + self.tree.heap_bytes()
