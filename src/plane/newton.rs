@@ -148,6 +148,11 @@ pub(super) fn relax(
             outcome.status = if none { Status::Unjammed } else { Status::Converged };
             return outcome;
         }
+        if outcome.residual <= tolerance && worse > WAIT {
+            // In balance, but on a ridge.
+            outcome.status = Status::Unstable;
+            return outcome;
+        }
         if outcome.residual < best {
             (best, worse) = (outcome.residual, 0);
         } else {

@@ -4,5 +4,6 @@
 
 mod balance;
 mod biaxial;
+mod bonds;
 mod crystal;
 mod discs;
