@@ -3,24 +3,29 @@
 mod beside;
 mod build;
 mod coincident;
+mod crystal;
 mod csv;
 mod error;
 pub mod generate;
+pub mod grading;
 mod history;
 pub mod hydrate;
 pub mod prepare;
 pub mod properties;
+mod rescale;
 mod save;
 
 use crate::wall::Bounds;
 
 pub use beside::box_file;
 pub use build::{build, from_texts, unprepared};
+pub use crystal::crystal;
 pub use csv::{Columns, Constants, PackFile, PackRow, read};
 pub use error::PackError;
 pub use history::{
     BondMemory, ContactMemory, History, Kept, Layer, history_file, wall_index, wall_of,
 };
+pub use rescale::rescale;
 pub use save::{Texts, save, texts};
 
 /// One grain's constants and position.

@@ -8,8 +8,10 @@ mod cement;
 mod check;
 mod choice;
 mod contact;
+mod crystal;
 mod dissociate;
 mod error;
+mod grading;
 mod hydrate;
 mod load;
 mod load_path;
@@ -39,8 +41,10 @@ pub use cement::{Cement, CementLaw, CementStrength, Exponential, Parallel, Power
 use check::{Field, Problems};
 pub use choice::Choice;
 pub use contact::{Contact, Coulomb, Friction, Law, Normal, Update};
+pub use crystal::Crystal;
 pub use dissociate::{BIOT, Dissociate};
 pub use error::{Problem, SceneError};
+pub use grading::Grading;
 pub use hydrate::Hydrate;
 pub use load::{Loaded, load, parse};
 pub use load_path::{

@@ -10,7 +10,7 @@ use super::Failure;
 use super::output::significant;
 use super::progress::waiting;
 
-/// A pack with what its preparation reached, one entry a step.
+/// A pack with what its preparation reached, one entry a step that looks for equilibrium.
 pub(super) struct Specimen {
     pub(super) pack: Pack,
     pub(super) prepared: Vec<Reached>,
@@ -41,7 +41,7 @@ pub(super) fn build(
     let pack = waiting("preparing".into(), bars, |bar| {
         let mut watch = |reached: &Reached| {
             bar.set_message(format!("preparing, {}/{steps} {}", reached.step + 1, now(reached)));
-            prepared.truncate(reached.step);
+            prepared.retain(|before| before.step < reached.step);
             prepared.push(*reached);
         };
         pool.install(|| prepare(scene, pack, &mut watch)).map_err(PackError::from)

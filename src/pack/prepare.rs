@@ -6,6 +6,7 @@
 
 use super::Pack;
 use super::generate::{CompactError, compact};
+use super::rescale::{self, rescale};
 use crate::command::{Ask, Command, Disposition, Mode, Stamp};
 use crate::report::{Demand, PackState, Report};
 use crate::scene::Scene;
@@ -90,9 +91,14 @@ pub fn prepare(
     pack: Pack,
     watch: &mut dyn FnMut(&Reached),
 ) -> Result<Pack, PrepareError> {
-    scene.pack.prepare.iter().enumerate().try_fold(pack, |pack, (index, step)| match step {
-        Step::Isotropic(step) => isotropic(scene, &pack, index, step, watch),
-        Step::Uniaxial(step) => uniaxial(scene, &pack, index, step, watch),
+    let steps = &scene.pack.prepare;
+    steps.iter().enumerate().try_fold(pack, |pack, (index, step)| {
+        let scene = &*rescale::before(scene, &steps[index + 1..]);
+        match step {
+            Step::Isotropic(step) => isotropic(scene, &pack, index, step, watch),
+            Step::Uniaxial(step) => uniaxial(scene, &pack, index, step, watch),
+            Step::Rescale(step) => Ok(rescale(&pack, *step)),
+        }
     })
 }
 

@@ -1,7 +1,7 @@
 //! What is in a scene.
 
 use graintwin::scene::Loaded;
-use graintwin::scene::prepare::{End, Step};
+use graintwin::scene::prepare::{End, Rescale, Step};
 use graintwin::wall::Bounds;
 use graintwin::{pack, path};
 
@@ -59,6 +59,8 @@ fn preparation(steps: &[Step]) -> String {
                 End::Strain(strain) => format!("uniaxial, a strain of {strain:?}"),
                 End::Steady(_) => "uniaxial until the sliding ratio is steady".into(),
             },
+            Step::Rescale(Rescale::Lengths(factor)) => format!("all lengths times {factor:?}"),
+            Step::Rescale(Rescale::Forces(factor)) => format!("all forces times {factor:?}"),
         };
         format!("step {}          {what}\n", index + 1)
     };
