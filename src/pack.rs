@@ -5,6 +5,7 @@ mod build;
 mod coincident;
 mod crystal;
 mod csv;
+pub mod discs;
 mod error;
 pub mod generate;
 pub mod grading;

@@ -61,8 +61,8 @@ fn grading() -> impl Strategy<Value = Grading> {
 
 fn generate() -> impl Strategy<Value = Generate> {
     let sizes = (1..10_000_000_usize, radius(), any::<u64>(), positive());
-    (sizes, prop::array::uniform3(0.01..100.0), 0..1000_u32).prop_map(
-        |((grains, radius, seed, confining_stress), aspect, expand_floaters)| Generate {
+    (sizes, prop::array::uniform3(0.01..100.0), 0..1000_u32, coefficient()).prop_map(
+        |((grains, radius, seed, confining_stress), aspect, expand_floaters, friction)| Generate {
             grains,
             radius,
             material: "glass".into(),
@@ -70,6 +70,7 @@ fn generate() -> impl Strategy<Value = Generate> {
             confining_stress,
             aspect,
             expand_floaters,
+            compaction_friction: friction,
         },
     )
 }

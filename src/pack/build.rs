@@ -5,11 +5,11 @@ use std::path::Path;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
-use super::generate::generate;
+use super::generate::{GenerateError, generate};
 use super::prepare::prepare;
 use super::{
     Constants, Grain, History, Pack, PackError, PackFile, PackRow, Texts, beside, crystal, csv,
-    history, hydrate, properties, read, rescale,
+    discs, history, hydrate, properties, read, rescale,
 };
 use crate::scene::{self, Crystal, Friction, Generate, Loaded, Material, Scene};
 use crate::table::TableError;
@@ -79,6 +79,9 @@ fn made(scene: &Scene, spec: &Generate) -> Result<Pack, PackError> {
     let field = "pack.generate.material";
     let material = material(scene, &spec.material)
         .ok_or_else(|| PackError::UnknownMaterial { field, name: spec.material.clone() })?;
+    if scene.dimension == 2 {
+        return Ok(discs::make(scene, spec, material).map_err(GenerateError::from)?);
+    }
     let friction = scene.contact.friction.coefficient();
     let pack = generate(spec, material, &scene.walls, friction, scene.solver)?;
     let Some(filling) = filling(scene)? else { return Ok(pack) };

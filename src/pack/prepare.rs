@@ -5,6 +5,7 @@
 //! whether the pack was stored and read in between.
 
 use super::Pack;
+use super::discs;
 use super::generate::{CompactError, compact};
 use super::rescale::{self, rescale};
 use crate::command::{Ask, Command, Disposition, Mode, Stamp};
@@ -110,8 +111,11 @@ fn isotropic(
     watch: &mut dyn FnMut(&Reached),
 ) -> Result<Pack, PrepareError> {
     let confining_stress = step.confining_stress;
-    let pack = compact(pack, confining_stress, &scene.walls, scene.solver)
-        .map_err(|source| PrepareError::Isotropic { step: index, source })?;
+    let compacted = match scene.dimension {
+        2 => discs::compact(scene, pack, confining_stress),
+        _ => compact(pack, confining_stress, &scene.walls, scene.solver),
+    };
+    let pack = compacted.map_err(|source| PrepareError::Isotropic { step: index, source })?;
     watch(&Reached { step: index, strain: None, confining_stress, sliding_ratio: 0.0 });
     Ok(pack)
 }

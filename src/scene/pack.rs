@@ -143,6 +143,10 @@ pub struct Generate {
     /// Rounds in which grains with fewer than 4 contacts are expanded until they have 4 (T 2.7.2).
     #[serde(default)]
     pub expand_floaters: u32,
+    /// f_gg^I: friction of discs while they are compacted, 0 to infinite; it sets their density
+    /// (B 3.2.1). Spheres are compacted without.
+    #[serde(default)]
+    pub compaction_friction: f64,
 }
 
 fn default_seed() -> u64 {
@@ -172,6 +176,11 @@ impl Generate {
             );
         }
         problems.count(at.key("expand_floaters"), u64::from(self.expand_floaters), 0, 1000);
+        problems.at_least_zero(
+            at.key("compaction_friction"),
+            self.compaction_friction,
+            "compaction_friction >= 0, .inf included",
+        );
     }
 }
 
