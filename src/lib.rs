@@ -58,6 +58,7 @@ pub mod msg;
 pub mod node;
 pub mod pack;
 pub mod path;
+pub mod plane;
 #[cfg(feature = "mcap")]
 pub mod record;
 pub mod relax;

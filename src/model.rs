@@ -9,6 +9,7 @@ pub mod hydrate;
 use crate::Vec3;
 use crate::contact::{Other, hertz, mindlin};
 use crate::pack::{Grain, Pack};
+use crate::plane;
 use crate::scene::{self, Cement, Coulomb, Law, Scene, Solver, Update, Walls};
 use crate::wall::Bounds;
 use hydrate::Hydrate;
@@ -66,6 +67,8 @@ pub struct Model {
     /// Mean contact force below which residuals are those of this force \[N\]: cement can be free of
     /// any load. 0 without cement.
     pub least_force: f64,
+    /// What makes the grains discs; `None` for spheres.
+    pub plane: Option<plane::Setup>,
     /// What the rounding of coordinates makes of cement that is free of load \[N\]; 0 without cement.
     pub rounding_force: f64,
 }
@@ -166,6 +169,14 @@ impl Model {
             let smooth = || Friction::smooth(&model.grains, &scene.walls, torsion);
             model.friction = model.friction.or_else(|| Some(smooth()));
         }
+        if scene.dimension == 2 {
+            if matches!(scene.contact.normal, scene::Normal::Linear(linear) if linear.bond.is_some())
+            {
+                let smooth = || Friction::smooth(&model.grains, &scene.walls, torsion);
+                model.friction = model.friction.or_else(|| Some(smooth()));
+            }
+            model.plane = Some(plane::Setup::new(&model, scene));
+        }
         model.hydrate = Hydrate::of(&model);
         model
     }
@@ -204,9 +215,22 @@ impl Model {
             friction: None,
             cement: None,
             least_force: 0.0,
+            plane: None,
             rounding_force: 0.0,
             grains,
         }
+    }
+
+    /// Volume of a grain of radius `radius` \[m\]: of a sphere, or of a disc as deep as the pack \[m³\].
+    #[must_use]
+    pub fn grain_volume(&self, radius: f64) -> f64 {
+        self.plane.as_ref().map_or_else(|| sphere_volume(radius), |plane| plane.volume(radius))
+    }
+
+    /// 3 for spheres, 2 for discs.
+    #[must_use]
+    pub fn dimensions(&self) -> u8 {
+        if self.plane.is_some() { 2 } else { 3 }
     }
 
     /// Number of grains.

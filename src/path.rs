@@ -22,7 +22,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::command::{Ask, Command, Dissociation, Mode, Stamp};
 use crate::report::{Demand, WallForces};
-use crate::scene::{LoadPath, MAX_COMMANDS, Step};
+use crate::scene::{LoadPath, MAX_COMMANDS, Scene, Step};
 use crate::sink::{Served, Sink};
 use crate::wall::{self, Bounds, WallTarget};
 
@@ -47,7 +47,26 @@ pub fn commands(
     folder: &FilePath,
     bounds: &Bounds,
 ) -> Result<Vec<Command>, PathError> {
-    let mut course = Course::new(*bounds);
+    walked(path, folder, Course::new(*bounds))
+}
+
+/// As [`commands`], for spheres or discs as `scene` has them: discs have no z walls to move.
+///
+/// # Errors
+/// As [`commands`].
+pub fn commands_of(
+    scene: &Scene,
+    folder: &FilePath,
+    bounds: &Bounds,
+) -> Result<Vec<Command>, PathError> {
+    walked(&scene.load_path, folder, Course::of(scene, *bounds))
+}
+
+fn walked(
+    path: &LoadPath,
+    folder: &FilePath,
+    mut course: Course,
+) -> Result<Vec<Command>, PathError> {
     for step in flat(&path.0) {
         follow(step, folder, &mut course)?;
     }
@@ -99,12 +118,12 @@ impl Path {
     ///
     /// # Errors
     /// As [`commands`].
-    pub fn new(path: &LoadPath, folder: &FilePath, bounds: &Bounds) -> Result<Self, PathError> {
-        let all = commands(path, folder, bounds)?;
+    pub fn new(scene: &Scene, folder: &FilePath, bounds: &Bounds) -> Result<Self, PathError> {
+        let all = commands_of(scene, folder, bounds)?;
         Ok(Self {
-            steps: flat(&path.0).cloned().collect(),
+            steps: flat(&scene.load_path.0).cloned().collect(),
             folder: folder.to_owned(),
-            course: Course::new(*bounds),
+            course: Course::of(scene, *bounds),
             length: all.len(),
             yields: all.iter().any(|command| !matches!(command.ask, Ask::Displacement(_))),
             here: Whereabouts::default(),
@@ -198,6 +217,8 @@ fn follow(step: &Step, folder: &FilePath, course: &mut Course) -> Result<(), Pat
 struct Course {
     /// The box at the start of the run.
     start: Bounds,
+    /// Axes that have walls: x and y, and z but for discs.
+    axes: usize,
     /// What the last command has the walls do.
     targets: [WallTarget; wall::COUNT],
     /// Where the walls are by then, as far as it is known \[m\].
@@ -219,6 +240,7 @@ impl Course {
     fn new(start: Bounds) -> Self {
         Self {
             start,
+            axes: 3,
             targets: [WallTarget::Displacement(0.0); wall::COUNT],
             displacement: [0.0; wall::COUNT],
             dissociated: (0.0, 0.0),
@@ -228,6 +250,11 @@ impl Course {
             sequence: 0,
             commands: VecDeque::new(),
         }
+    }
+
+    /// Of the grains of `scene`.
+    fn of(scene: &Scene, start: Bounds) -> Self {
+        Self { axes: usize::from(scene.dimension).min(3), ..Self::new(start) }
     }
 
     /// Learns from the twin where loads and pore pressures took the walls, and what they carry.
@@ -270,7 +297,7 @@ impl Course {
         targets: [WallTarget; wall::COUNT],
     ) -> Result<(), PathError> {
         let was_loaded = self.is_loaded();
-        for (w, target) in targets.into_iter().enumerate() {
+        for (w, target) in targets.into_iter().enumerate().take(2 * self.axes) {
             if target != WallTarget::Keep {
                 self.targets[w] = target;
             }

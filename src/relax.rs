@@ -45,6 +45,7 @@ use crate::contact::hertz;
 use crate::contact::neighbours::Neighbours;
 use crate::heap;
 use crate::model::Model;
+use crate::plane;
 use crate::scene::Method;
 use crate::state::{Bond, Memory, State};
 use crate::wall::{self, Bounds};
@@ -135,6 +136,8 @@ pub struct Workspace {
     pub servo: Servo,
     /// Where shear and torsion are counted from.
     pub reference: Reference,
+    /// For discs, all but the neighbour list.
+    pub plane: plane::Workspace,
     /// The linear system of the present step without friction.
     pub linear: Linear,
     /// The linear system of the present step with friction.
@@ -197,6 +200,7 @@ impl Workspace {
             balance: Balance::default(),
             servo: Servo::default(),
             reference: Reference::default(),
+            plane: plane::Workspace::default(),
             linear: Linear::default(),
             coupled: Coupled::default(),
             reference_stiffness: hertz::stiffness(modulus, 1e-2 * model.mean_radius),
@@ -232,9 +236,16 @@ impl Workspace {
     /// The work done so far.
     #[must_use]
     pub fn effort(&self) -> Effort {
+        let plane = self.plane.effort();
         Effort {
-            gradients: self.balance.evaluations + self.trial_balance.evaluations + self.sweeps,
-            products: self.linear.products + self.coupled.products + self.two_step.products,
+            gradients: self.balance.evaluations
+                + self.trial_balance.evaluations
+                + self.sweeps
+                + plane.gradients,
+            products: self.linear.products
+                + self.coupled.products
+                + self.two_step.products
+                + plane.products,
         }
     }
 
@@ -256,6 +267,7 @@ impl Workspace {
             + self.rattlers.heap_bytes()
             + self.adjacency.heap_bytes()
             + self.loose.heap_bytes()
+            + self.plane.heap_bytes()
             + self.two_step.heap_bytes()
             + self.inertia.heap_bytes()
             + single

@@ -228,9 +228,10 @@ pub struct PackState {
     pub stress_walls: [f64; 9],
     /// Love-Weber stress from the contacts \[Pa\], row major (T 2.13, halved as it must be).
     pub stress_contacts: [f64; 9],
-    /// Trace of the wall stress over three \[Pa\].
+    /// Trace of the wall stress over three, of discs over two \[Pa\].
     pub confining_stress: f64,
-    /// Axial stress (z) minus the mean of the other two \[Pa\].
+    /// Axial stress (z) minus the mean of the other two, of discs that along y minus that along x
+    /// \[Pa\].
     pub deviatoric_stress: f64,
     /// Pore volume over total volume (T 2.19).
     pub porosity: f64,
@@ -350,7 +351,7 @@ pub struct Grains {
     pub position: Vec<[f64; 3]>,
     /// Radius \[m\].
     pub radius: Vec<f64>,
-    /// Mean pressure \[Pa\]: a third of the trace of the grain's Love-Weber stress.
+    /// Mean pressure \[Pa\]: a third of the trace of the grain's Love-Weber stress, half of a disc's.
     pub pressure: Vec<f64>,
     /// Way of the centre since the start of the run, from where the pack as given had it \[m\].
     pub displacement: Vec<[f64; 3]>,

@@ -9,10 +9,12 @@ mod check;
 mod choice;
 mod contact;
 mod crystal;
+mod dimension;
 mod dissociate;
 mod error;
 mod grading;
 mod hydrate;
+mod linear;
 mod load;
 mod load_path;
 mod material;
@@ -40,12 +42,13 @@ use crate::wall::Bounds;
 pub use cement::{Cement, CementLaw, CementStrength, Exponential, Parallel, Power, Solution};
 use check::{Field, Problems};
 pub use choice::Choice;
-pub use contact::{Contact, Coulomb, Friction, Law, Normal, Update};
+pub use contact::{Contact, Coulomb, Friction, Law, Normal, Rotation, Update};
 pub use crystal::Crystal;
 pub use dissociate::{BIOT, Dissociate};
 pub use error::{Problem, SceneError};
 pub use grading::Grading;
 pub use hydrate::Hydrate;
+pub use linear::{BondForm, Linear, LinearBond};
 pub use load::{Loaded, load, parse};
 pub use load_path::{
     Axis, Isotropic, LoadPath, MAX_COMMANDS, Moving, Polyaxial, Repeat, Step, Triaxial, Uniaxial,
@@ -73,7 +76,7 @@ pub struct Scene {
     /// Name shown in summaries and recordings.
     #[serde(default = "default_name")]
     pub name: String,
-    /// 3 for spheres.
+    /// 3 for spheres, 2 for discs.
     #[serde(default = "default_dimension")]
     pub dimension: u8,
     /// Materials by name. `quartz`, `glass` and `hydrate` of T table 2.1 are always here; a
@@ -139,9 +142,10 @@ impl Scene {
                 format!("{:?} is no name; allowed: one line of text", self.name),
             );
         }
-        if self.dimension != 3 {
-            problems.add(at.key("dimension"), format!("{}; allowed: 3", self.dimension));
+        if !matches!(self.dimension, 2 | 3) {
+            problems.add(at.key("dimension"), format!("{}; allowed: 2, 3", self.dimension));
         }
+        dimension::check(self, problems);
         for (name, material) in &self.materials {
             material.check(&at.key("materials").key(name), problems);
         }

@@ -26,6 +26,8 @@ pub struct State {
     pub carries: Vec<bool>,
     /// Inward displacement of the walls since the start \[m\].
     pub displacement: [f64; wall::COUNT],
+    /// Shear γ by which a pack of discs and its side walls lean; 0 for spheres.
+    pub tilt: f64,
     /// Energies of the contacts' shear and torsion.
     pub friction: Ledger,
     /// Work of the walls since the start \[J\].
@@ -146,6 +148,7 @@ impl State {
             bonds: Vec::new(),
             carries: vec![true; model.len()],
             displacement: [0.0; wall::COUNT],
+            tilt: 0.0,
             friction: Ledger::default(),
             wall_work: 0.0,
             initial_energy: 0.0,
@@ -283,6 +286,9 @@ impl State {
         let Ledger { stored, slip, renewal, .. } = friction;
         numbers(&[*stored, *slip, *renewal, *wall_work, *initial_energy], take);
         // Last, and only where there is something, as in recordings made before there was hydrate.
+        if self.tilt != 0.0 {
+            numbers(&[self.tilt], take);
+        }
         if self.dissociated != Dissociated::default() {
             let Dissociated { lost, pressure, borne, work } = self.dissociated;
             numbers(&[lost, pressure, borne, work], take);
@@ -303,6 +309,7 @@ impl State {
         self.bonds.clone_from(&other.bonds);
         self.carries.copy_from_slice(&other.carries);
         self.displacement = other.displacement;
+        self.tilt = other.tilt;
         self.friction = other.friction;
         self.wall_work = other.wall_work;
         self.initial_energy = other.initial_energy;

@@ -16,6 +16,7 @@ use crate::contact::cement::deposit::deposit;
 use crate::contact::cement::strength::Mode;
 use crate::model::Model;
 use crate::pack::{Grain, History, Pack};
+use crate::plane;
 use crate::relax::advance::Advance;
 use crate::relax::breakage::Crack;
 use crate::relax::jump::Jump;
@@ -106,7 +107,10 @@ impl Twin {
         Ok(Self {
             state,
             work: Workspace::new(&model),
-            gate: Gate::new(pack.bounds, &scene.node).with_hydrate(&model.hydrate),
+            gate: match &model.plane {
+                None => Gate::new(pack.bounds, &scene.node).with_hydrate(&model.hydrate),
+                Some(_) => Gate::new(pack.bounds, &scene.node).in_plane(),
+            },
             pool,
             increment: 0,
             outcome: Outcome::NONE,
@@ -135,6 +139,58 @@ impl Twin {
     pub fn start(&mut self, demand: Demand) -> Report {
         let given = self.state.clone();
         self.past.iter_mut().for_each(|past| past.restart(&given));
+        let mut reached = match &self.model.plane {
+            None => self.settle(),
+            Some(_) => self.settle_plane(),
+        };
+        self.outcome = reached.outcome;
+        let mut report = Report {
+            stamp: Stamp::default(),
+            session: String::new(),
+            sequence: 0,
+            increment: 0,
+            disposition: Disposition::Applied,
+            substeps: 0,
+            text: String::new(),
+            measures: None,
+        };
+        let outcome = reached.outcome;
+        if !outcome.status.is_equilibrium() {
+            self.state = given;
+            report.disposition = Disposition::NotConverged;
+            report.text = format!("the pack as given: {}", self.explain(&outcome, 0.0));
+            return report;
+        }
+        self.state.initial_energy = outcome.sums.energy + self.state.friction.stored;
+        report.text = match (outcome.status, outcome.iterations) {
+            (Status::Unjammed, _) => UNJAMMED.into(),
+            (_, 0) => String::new(),
+            (_, steps) => {
+                format!("the pack was not in equilibrium: relaxed in {steps} iterations")
+            }
+        };
+        report.substeps = reached.substeps;
+        if self.targets.iter().any(|target| *target != WallTarget::Keep) {
+            match self.take_targets() {
+                Ok(advance) => {
+                    report.text = join(&report.text, "the walls were brought to their targets");
+                    report.substeps += advance.substeps;
+                    reached = advance;
+                }
+                Err(text) => {
+                    self.state = given;
+                    report.disposition = Disposition::NotConverged;
+                    report.text = format!("the walls' targets of the scene: {text}");
+                    return report;
+                }
+            }
+        }
+        report.measures = Some(self.measure(Stamp::default(), &reached, demand));
+        report
+    }
+
+    /// Relaxes a pack of spheres as it was given, and deposits cement in it.
+    fn settle(&mut self) -> Advance {
         let Self { model, state, work, pool, .. } = self;
         work.start(model, state);
         work.jumps.clear();
@@ -156,71 +212,27 @@ impl Twin {
                 _ => outcome,
             }
         });
-        self.outcome = outcome;
-        let mut report = Report {
-            stamp: Stamp::default(),
-            session: String::new(),
-            sequence: 0,
-            increment: 0,
-            disposition: Disposition::Applied,
-            substeps: 0,
-            text: String::new(),
-            measures: None,
-        };
+        let mut reached = Advance::at(outcome);
         if !outcome.status.is_equilibrium() {
-            self.state = given;
-            report.disposition = Disposition::NotConverged;
-            report.text = format!("the pack as given: {}", self.explain(&outcome, 0.0));
-            return report;
+            return reached;
         }
-        let Self { model, state, work, pool, .. } = self;
-        let wall_force_error =
+        reached.wall_force_error =
             pool.install(|| accuracy::wall_force_error(model, state, work, &outcome));
-        let changes = match outcome.iterations {
+        reached.changes = match outcome.iterations {
             // What was an equilibrium stays what it was, to the bit.
-            0 => self.work.keep(&mut self.state),
-            _ => self.work.commit(&self.model, &mut self.state),
+            0 => work.keep(state),
+            _ => work.commit(model, state),
         };
-        self.state.initial_energy = outcome.sums.energy + self.state.friction.stored;
-        report.text = match (outcome.status, outcome.iterations) {
-            (Status::Unjammed, _) => UNJAMMED.into(),
-            (_, 0) => String::new(),
-            (_, steps) => {
-                format!("the pack was not in equilibrium: relaxed in {steps} iterations")
-            }
-        };
-        report.substeps = u32::from(outcome.iterations > 0);
-        let Outcome { iterations, descents, .. } = outcome;
-        let substeps = report.substeps;
-        let jumps = std::mem::take(&mut self.work.jumps);
-        let mut reached = Advance {
-            outcome,
-            substeps,
-            iterations,
-            descents,
-            wall_force_error,
-            crept: 0.0,
-            jumps,
-            cracks: Vec::new(),
-            changes,
-        };
-        if self.targets.iter().any(|target| *target != WallTarget::Keep) {
-            match self.take_targets() {
-                Ok(advance) => {
-                    report.text = join(&report.text, "the walls were brought to their targets");
-                    report.substeps += advance.substeps;
-                    reached = advance;
-                }
-                Err(text) => {
-                    self.state = given;
-                    report.disposition = Disposition::NotConverged;
-                    report.text = format!("the walls' targets of the scene: {text}");
-                    return report;
-                }
-            }
-        }
-        report.measures = Some(self.measure(Stamp::default(), &reached, demand));
-        report
+        reached.jumps = std::mem::take(&mut work.jumps);
+        reached.substeps = u32::from(outcome.iterations > 0);
+        Advance { iterations: outcome.iterations, descents: outcome.descents, ..reached }
+    }
+
+    /// Relaxes a pack of discs as it was given, and bonds it.
+    fn settle_plane(&mut self) -> Advance {
+        let Self { model, state, work, pool, .. } = self;
+        let Workspace { plane, neighbours, .. } = work;
+        pool.install(|| plane::advance::settle(model, state, plane, neighbours))
     }
 
     /// Brings the walls to the targets of the scene.
@@ -402,7 +414,9 @@ impl Twin {
 
 /// Whether walls shall carry loads that the scene's method cannot balance.
 fn loads_need_newton(model: &Model, setpoint: &Setpoint) -> bool {
-    model.solver.method != Method::Newton && setpoint.iter().any(|wall| wall.load().is_some())
+    model.plane.is_none()
+        && model.solver.method != Method::Newton
+        && setpoint.iter().any(|wall| wall.load().is_some())
 }
 
 /// The answer to a command that was served before, with its report then.

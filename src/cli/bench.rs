@@ -92,7 +92,7 @@ pub(super) fn run(args: &Args, cli: &Cli, bars: &MultiProgress) -> Result<Outcom
     }
     let threads = cli.threads.map_or(1, usize::from);
     let pack = specimen::build(&loaded, threads, bars)?.pack;
-    let path = LoadPath::new(&loaded.scene.load_path, loaded.folder(), &pack.bounds)?;
+    let path = LoadPath::new(&loaded.scene, loaded.folder(), &pack.bounds)?;
     let commands = walked(path, args.increments as usize, &loaded.scene, &pack, threads)?;
     if commands.is_empty() {
         return Err(Failure::Input(anyhow!(

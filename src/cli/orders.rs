@@ -48,7 +48,7 @@ impl Orders {
         let none = || LoadPath::from(Vec::new());
         Ok(match feed {
             Feed::Scene => {
-                let path = LoadPath::new(&loaded.scene.load_path, loaded.folder(), bounds)?;
+                let path = LoadPath::new(&loaded.scene, loaded.folder(), bounds)?;
                 Self { path, recorded: None }
             }
             Feed::Known(commands) => Self { path: LoadPath::from(commands), recorded: None },

@@ -64,6 +64,8 @@ pub struct Gate {
     displacement: [f64; wall::COUNT],
     /// What hydrate there is, and what became of it.
     hydrate: hydrate::Stock,
+    /// Walls that there are: discs have no z walls.
+    walls: usize,
 }
 
 /// The last command of a session that took a place in its sequence.
@@ -92,7 +94,14 @@ impl Gate {
             now: wall::standing(&displacement),
             displacement,
             hydrate: hydrate::Stock::default(),
+            walls: wall::COUNT,
         }
+    }
+
+    /// The same for discs, which have no z walls.
+    #[must_use]
+    pub fn in_plane(self) -> Self {
+        Self { walls: 4, ..self }
     }
 
     /// From now on commands older than `seconds` are refused unless that is 0.

@@ -3,7 +3,7 @@
 use crate::Vec3;
 use crate::contact::Other;
 use crate::measure::contacts::Contact;
-use crate::model::{Model, sphere_volume};
+use crate::model::Model;
 use crate::report::Grains;
 use crate::state::State;
 
@@ -35,12 +35,13 @@ pub fn grains(model: &Model, state: &State, contacts: &[Contact]) -> Grains {
         pressure: vec![0.0; model.len()],
         displacement: vec![[0.0; 3]; model.len()],
     };
+    let dimensions = f64::from(model.dimensions());
     for (k, &order) in model.order.iter().enumerate() {
         let at = order as usize;
         let given = Vec3::from(model.grains[k].position);
         grains.position[at] = state.position[k].into();
         grains.radius[at] = model.radius[k];
-        grains.pressure[at] = moment[k] / (3.0 * sphere_volume(model.radius[k]));
+        grains.pressure[at] = moment[k] / (dimensions * model.grain_volume(model.radius[k]));
         grains.displacement[at] = (state.position[k] - given).into();
     }
     grains

@@ -53,9 +53,45 @@ pub fn secant(stress: [f64; 3], strain: [f64; 3], density: f64) -> Moduli {
     }
 }
 
+/// As [`secant`] in the plane, where nothing strains along z and E and ν are those of B A.9: K is the
+/// mean stress over the strain of the area, E = 4KG/(K + G), ν = (K - G)/(K + G).
+#[must_use]
+pub fn secant_in_plane(stress: [f64; 3], strain: [f64; 3], density: f64) -> Moduli {
+    let [trace, apart] = [strain[0] + strain[1], strain[0] - strain[1]];
+    let size = strain[0].hypot(strain[1]);
+    let known = |told: f64, value: f64| {
+        if told.abs() > TELLING * size && value.is_finite() { value } else { f64::NAN }
+    };
+    let bulk = known(trace, 0.5 * (stress[0] + stress[1]) / trace);
+    let shear = known(apart, 0.5 * (stress[0] - stress[1]) / apart);
+    let p_wave = bulk + shear;
+    Moduli {
+        valid: bulk.is_finite() || shear.is_finite(),
+        bulk,
+        shear,
+        young: 4.0 * bulk * shear / (bulk + shear),
+        poisson: (bulk - shear) / (bulk + shear),
+        lame: bulk - shear,
+        p_wave,
+        p_speed: (p_wave / density).sqrt(),
+        s_speed: (shear / density).sqrt(),
+        ..Moduli::UNKNOWN
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn moduli_in_the_plane_are_those_of_its_hooke() {
+        // ε = (σ - ν σ')/E (B A.9) with E = 5, ν = 0.2.
+        let stress = [1.0, 3.0, 0.0];
+        let strain = [(1.0 - 0.2 * 3.0) / 5.0, (3.0 - 0.2) / 5.0, 0.0];
+        let m = secant_in_plane(stress, strain, 2.0);
+        assert!((m.young - 5.0).abs() < 1e-12 && (m.poisson - 0.2).abs() < 1e-12);
+        assert!((m.shear - 5.0 / 2.4).abs() < 1e-12);
+    }
 
     /// An isotropic solid with λ = 3, G = 2 under dε: σ = λ tr ε + 2Gε.
     fn hooke(strain: [f64; 3]) -> [f64; 3] {

@@ -4,13 +4,13 @@ use std::f64::consts::PI;
 
 use crate::contact::Other;
 use crate::measure::contacts::Contact;
-use crate::model::{Model, sphere_volume};
+use crate::model::Model;
 use crate::wall::Bounds;
 
 /// Pore volume over total volume (T 2.19).
 #[must_use]
 pub fn porosity(model: &Model, contacts: &[Contact], bounds: &Bounds) -> f64 {
-    let spheres: f64 = model.radius.iter().map(|&r| sphere_volume(r)).sum();
+    let spheres: f64 = model.radius.iter().map(|&r| model.grain_volume(r)).sum();
     let caps: f64 = contacts
         .iter()
         .filter(|contact| contact.overlap > 0.0)
@@ -53,7 +53,7 @@ pub fn pores(model: &Model, contacts: &[Contact], bounds: &Bounds) -> Pores {
 /// Volume of each grain without its caps \[m³\], shape (n), in the solver's order.
 #[must_use]
 pub fn solids(model: &Model, contacts: &[Contact]) -> Vec<f64> {
-    let mut solid: Vec<f64> = model.radius.iter().map(|&r| sphere_volume(r)).collect();
+    let mut solid: Vec<f64> = model.radius.iter().map(|&r| model.grain_volume(r)).collect();
     for contact in contacts {
         let [first, second] = caps(model, contact);
         solid[contact.first as usize] -= first;
@@ -73,13 +73,21 @@ fn caps(model: &Model, contact: &Contact) -> [f64; 2] {
             // Distance of the disc of (2.16) from either centre.
             let r = contact.distance;
             let di = (r * r + ri * ri - rj * rj) / (2.0 * r);
-            [cap(ri, ri - di), cap(rj, rj - (r - di))]
+            [cap(model, ri, ri - di), cap(model, rj, rj - (r - di))]
         }
-        Other::Wall(_) => [cap(ri, contact.overlap), 0.0],
+        Other::Wall(_) => [cap(model, ri, contact.overlap), 0.0],
     }
 }
 
-/// Volume of a spherical cap of the given height \[m³\] (2.17b; 2.17a is the same in ρ).
-fn cap(radius: f64, height: f64) -> f64 {
-    PI * height * height * (radius - height / 3.0)
+/// Volume of a cap of the given height \[m³\]: of a sphere (2.17b; 2.17a is the same in ρ), or of a disc.
+fn cap(model: &Model, radius: f64, height: f64) -> f64 {
+    match &model.plane {
+        None => PI * height * height * (radius - height / 3.0),
+        Some(plane) => {
+            let to_chord = radius - height;
+            let half_chord = (height * (2.0 * radius - height)).sqrt();
+            let sector = radius * radius * half_chord.atan2(to_chord);
+            plane.depth * (sector - to_chord * half_chord)
+        }
+    }
 }

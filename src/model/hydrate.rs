@@ -98,6 +98,9 @@ impl Model {
     #[must_use]
     pub fn mass(&self, k: usize) -> f64 {
         let grain = &self.grains[k];
+        if let Some(plane) = &self.plane {
+            return grain.density * plane.volume(grain.radius);
+        }
         let loaded = grain.density * sphere_volume(grain.radius);
         if grain.hydrate { loaded * self.hydrate.left(self.hydrate.lost) } else { loaded }
     }

@@ -22,7 +22,8 @@ use rand_pcg::Pcg64;
 use super::generate::{CompactError, draw};
 use super::{ContactMemory, Grain, History, Pack};
 use crate::contact::{hertz, mindlin};
-use crate::scene::{Generate, Material, Scene};
+use crate::plane::setup::shear_ratio;
+use crate::scene::{Generate, Linear, Material, Normal, Scene};
 use crate::wall::Bounds;
 use contacts::Law;
 use motion::{Discs, Goal};
@@ -67,6 +68,16 @@ fn scatter(mut grains: Vec<Grain>, aspect: [f64; 3], rng: &mut Pcg64) -> Pack {
     Pack { bounds: Bounds { min: max.map(|side| -side), max }, grains, history: None }
 }
 
+/// The law of the scene, without bonds: grains do not stick together while a pack is made.
+fn law(grains: &[Grain], scene: &Scene) -> Law {
+    let Normal::Linear(Linear { stiffness, shear_ratio: ratio, .. }) = scene.contact.normal else {
+        return Law::Hertz;
+    };
+    let poisson = grains.iter().map(|grain| grain.poisson).sum::<f64>() / grains.len() as f64;
+    let ratio = ratio.unwrap_or_else(|| shear_ratio(poisson));
+    Law::Linear { normal: stiffness, shear: ratio * stiffness }
+}
+
 impl Discs {
     /// The grains of `pack` at rest, between the walls and with the law of `scene`, around the origin.
     fn of(pack: &Pack, scene: &Scene) -> Self {
@@ -87,7 +98,7 @@ impl Discs {
             compliance: grains.iter().map(compliance).collect(),
             shear_compliance: grains.iter().map(in_shear).collect(),
             at_wall: grains.iter().map(at_wall).collect(),
-            law: Law::Hertz,
+            law: law(grains, scene),
             grown: 1.0,
             half: [0.5 * sides[0], 0.5 * sides[1]],
             depth: sides[2],

@@ -8,7 +8,7 @@ use std::borrow::Cow;
 
 use super::{Grain, History, Pack};
 use crate::scene::prepare::{Rescale, Step};
-use crate::scene::{CementLaw, CementStrength, Normal, Parallel, Scene, Targets};
+use crate::scene::{CementLaw, CementStrength, Linear, Normal, Parallel, Scene, Targets};
 use crate::wall::{Bounds, WallTarget};
 
 /// What lengths and forces are multiplied by.
@@ -39,6 +39,10 @@ impl Scale {
 
     fn stress(self) -> f64 {
         self.force / (self.length * self.length)
+    }
+
+    fn stiffness(self) -> f64 {
+        self.force / self.length
     }
 
     fn couple(self) -> f64 {
@@ -108,14 +112,21 @@ fn scaled(mut scene: Scene, scale: Scale) -> Scene {
             WallTarget::Stress(stress) => WallTarget::Stress(stress * scale.stress()),
             other @ (WallTarget::Keep | WallTarget::Unknown(..)) => other,
         }));
-    if let Normal::Cement(cement) = &mut scene.contact.normal {
-        if let CementLaw::Parallel(Parallel { young, shear, .. }) = &mut cement.law {
-            *young *= scale.stress();
-            *shear *= scale.stress();
+    match &mut scene.contact.normal {
+        Normal::Hertz => {}
+        Normal::Cement(cement) => {
+            if let CementLaw::Parallel(Parallel { young, shear, .. }) = &mut cement.law {
+                *young *= scale.stress();
+                *shear *= scale.stress();
+            }
+            if let Some(CementStrength { tension, shear }) = &mut cement.strength {
+                *tension *= scale.stress();
+                *shear *= scale.stress();
+            }
         }
-        if let Some(CementStrength { tension, shear }) = &mut cement.strength {
-            *tension *= scale.stress();
-            *shear *= scale.stress();
+        Normal::Linear(Linear { stiffness, bond, .. }) => {
+            *stiffness *= scale.stiffness();
+            bond.iter_mut().for_each(|bond| bond.cohesion *= scale.stress());
         }
     }
     scene

@@ -58,7 +58,7 @@ pub struct Advance {
 
 impl Advance {
     /// One that has not begun.
-    pub(super) fn at(outcome: Outcome) -> Self {
+    pub(crate) fn at(outcome: Outcome) -> Self {
         Self {
             outcome,
             substeps: 0,
@@ -85,7 +85,7 @@ impl Advance {
         self.count(next.changes);
     }
 
-    fn count(&mut self, changes: Changes) {
+    pub(crate) fn count(&mut self, changes: Changes) {
         self.changes.opened += changes.opened;
         self.changes.formed += changes.formed;
         self.changes.excess = self.changes.excess.max(changes.excess);
@@ -291,7 +291,7 @@ fn ledger(state: &State) -> f64 {
 
 /// Adds the work of the walls on the way of `state` from the displacements `from`, on which their
 /// normal forces went from `before` to `after`.
-fn add_work(
+pub(crate) fn add_work(
     state: &mut State,
     from: &[f64; wall::COUNT],
     before: &[f64; wall::COUNT],
@@ -304,7 +304,7 @@ fn add_work(
 }
 
 /// Where the walls that stand shall go; those under a load are where they are.
-fn standing_target(setpoint: &Setpoint, state: &State) -> [f64; wall::COUNT] {
+pub(crate) fn standing_target(setpoint: &Setpoint, state: &State) -> [f64; wall::COUNT] {
     std::array::from_fn(|w| match setpoint[w] {
         Control::Displacement(displacement) => displacement,
         Control::Load(_) => state.displacement[w],
@@ -312,7 +312,7 @@ fn standing_target(setpoint: &Setpoint, state: &State) -> [f64; wall::COUNT] {
 }
 
 /// The drives of `goal` with the loads that the walls carry now.
-fn present(goal: &[Drive], forces: &[f64; wall::COUNT], bounds: &Bounds) -> Vec<Drive> {
+pub(crate) fn present(goal: &[Drive], forces: &[f64; wall::COUNT], bounds: &Bounds) -> Vec<Drive> {
     let now = |drive: &Drive| {
         let force = drive.force(forces);
         let load = match drive.load {
@@ -325,7 +325,7 @@ fn present(goal: &[Drive], forces: &[f64; wall::COUNT], bounds: &Bounds) -> Vec<
 }
 
 /// Loads after `share` of the way from `drives` to `goal`.
-fn part_of_the_way(drives: &[Drive], goal: &[Drive], share: f64) -> Vec<Drive> {
+pub(crate) fn part_of_the_way(drives: &[Drive], goal: &[Drive], share: f64) -> Vec<Drive> {
     if share >= 1.0 {
         return goal.to_vec();
     }
@@ -341,7 +341,12 @@ fn part_of_the_way(drives: &[Drive], goal: &[Drive], share: f64) -> Vec<Drive> {
 }
 
 /// Strain that the rest of the loads will take, from the law of Hertz: h ~ P^(2/3).
-fn remaining_load(model: &Model, drives: &[Drive], goal: &[Drive], here: &Outcome) -> f64 {
+pub(crate) fn remaining_load(
+    model: &Model,
+    drives: &[Drive],
+    goal: &[Drive],
+    here: &Outcome,
+) -> f64 {
     let overlap_strain = here.sums.mean_overlap() / (2.0 * model.mean_radius);
     let change = |(now, goal): (&Drive, &Drive)| {
         let [now, goal] = [now.load, goal.load].map(|load| load.force(1.0));
@@ -406,7 +411,7 @@ fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
 }
 
 /// Largest strain of an axis that is left, against the box at the start, a shift of the whole box counted as a strain too.
-pub(super) fn remaining_strain(model: &Model, state: &State, target: &[f64; wall::COUNT]) -> f64 {
+pub(crate) fn remaining_strain(model: &Model, state: &State, target: &[f64; wall::COUNT]) -> f64 {
     let sides = model.start.sides();
     (0..3)
         .map(|axis| {
@@ -418,7 +423,7 @@ pub(super) fn remaining_strain(model: &Model, state: &State, target: &[f64; wall
 
 /// Largest strain of one sub-increment: a share of the mean overlap strain h/(2R), because
 /// contacts that open and close between two equilibria are what makes them hard to find.
-pub(super) fn strain_limit(model: &Model, here: &Outcome) -> f64 {
+pub(crate) fn strain_limit(model: &Model, here: &Outcome) -> f64 {
     let most = model.solver.max_strain_increment;
     let overlap_strain = here.sums.mean_overlap() / (2.0 * model.mean_radius);
     if overlap_strain == 0.0 {

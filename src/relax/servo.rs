@@ -86,6 +86,15 @@ impl Drive {
         self.load.force(bounds.area(2 * self.axis))
     }
 
+    /// The stress, where the load is one \[Pa\].
+    #[must_use]
+    pub fn stress(&self) -> Option<f64> {
+        match self.load {
+            Load::Force(_) => None,
+            Load::Stress(stress) => Some(stress),
+        }
+    }
+
     /// Where the drive takes what is at `position`, over its own motion, along its axis.
     fn carried(&self, position: &Vec3, bounds: &Bounds) -> f64 {
         let [low, high] = [bounds.min[self.axis], bounds.max[self.axis]];

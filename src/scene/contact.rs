@@ -7,7 +7,7 @@ use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::check::{Field, Problems};
-use super::{Cement, Solution};
+use super::{Cement, Linear, Solution};
 
 /// Contact laws.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -19,11 +19,29 @@ pub struct Contact {
     pub friction: Friction,
     /// Torsional couple of frictional contacts (T 3.6-3.9).
     pub torsion: bool,
+    /// Whether discs turn.
+    pub rotation: Rotation,
+}
+
+/// Whether discs turn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Rotation {
+    /// As their contacts take them.
+    #[default]
+    Free,
+    /// Not at all (B 3.2.3).
+    Locked,
 }
 
 impl Default for Contact {
     fn default() -> Self {
-        Self { normal: Normal::Hertz, friction: Friction::None, torsion: true }
+        Self {
+            normal: Normal::Hertz,
+            friction: Friction::None,
+            torsion: true,
+            rotation: Rotation::Free,
+        }
     }
 }
 
@@ -32,6 +50,9 @@ impl Contact {
         if let Friction::Coulomb(coulomb) = &self.friction {
             let field = at.key("friction").key("coefficient");
             problems.at_least_zero(field, coulomb.coefficient, "coefficient >= 0, .inf included");
+        }
+        if let Normal::Linear(linear) = &self.normal {
+            linear.check(&at.key("normal").key("linear"), problems);
         }
         if let Normal::Cement(cement) = &self.normal {
             cement.check(&at.key("normal").key("cement"), problems);
@@ -56,6 +77,8 @@ pub enum Normal {
     Hertz,
     /// Cemented pairs, and Hertz for the others.
     Cement(Cement),
+    /// Forces proportional to the overlap, in the plane (B 8).
+    Linear(Linear),
 }
 
 /// Tangential contact law: the word `none`, or the keys of [`Coulomb`].

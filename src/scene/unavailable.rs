@@ -1,4 +1,4 @@
-//! Keys and values of the scene format that this version cannot serve.
+//! Keys of the scene format that this version cannot serve.
 //!
 //! They are looked up in the file as written, so that the message can say more than that a word
 //! is unknown. A row goes when its feature comes.
@@ -11,40 +11,21 @@ use super::tree::{self, Place, Tree};
 struct Row {
     /// The last keys of the field; list indices do not count.
     keys: &'static [&'static str],
-    value: Value,
     text: &'static str,
 }
 
-/// Which values of the field are meant.
-enum Value {
-    /// These words, alone or as the key of a mapping.
-    Words(&'static [&'static str]),
-    /// Whatever stands there.
-    Any,
-}
-
-const TABLE: &[Row] = &[
-    Row {
-        keys: &["contact", "normal"],
-        value: Value::Words(&["linear"]),
-        text: "this version has no linear contacts; allowed: hertz, cement",
-    },
-    Row {
-        keys: &["node", "topics"],
-        value: Value::Any,
-        text: "this version maps no topics; the names are those of the node; allowed: no such key",
-    },
-];
+const TABLE: &[Row] = &[Row {
+    keys: &["node", "topics"],
+    text: "this version maps no topics; the names are those of the node; allowed: no such key",
+}];
 
 /// Finds what the file asks for in vain.
 pub(super) fn check(root: &Spanned<Tree>, problems: &mut Problems) {
-    tree::walk(root, &Field::root(), &mut |field, place, _, value| {
-        if place == Place::Key {
-            let row =
-                TABLE.iter().find(|row| ends_with(field, row.keys) && meant(&row.value, value));
-            if let Some(row) = row {
-                problems.add(field.clone(), row.text);
-            }
+    tree::walk(root, &Field::root(), &mut |field, place, _, _| {
+        if place == Place::Key
+            && let Some(row) = TABLE.iter().find(|row| ends_with(field, row.keys))
+        {
+            problems.add(field.clone(), row.text);
         }
     });
 }
@@ -55,15 +36,4 @@ fn ends_with(field: &Field, keys: &[&str]) -> bool {
         Segment::Index(_) => None,
     });
     keys.iter().rev().all(|key| names.next() == Some(key))
-}
-
-fn meant(value: &Value, found: &Tree) -> bool {
-    match (value, found) {
-        (Value::Any, _) => true,
-        (Value::Words(words), Tree::Scalar(word)) => words.contains(&word.as_str()),
-        (Value::Words(words), Tree::Map(entries)) => {
-            entries.iter().any(|(key, _)| words.contains(&key.value.as_str()))
-        }
-        _ => false,
-    }
 }

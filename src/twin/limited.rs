@@ -4,6 +4,8 @@
 use super::Twin;
 use crate::command::gate::{Order, Stand};
 use crate::measure::walls;
+use crate::plane;
+use crate::relax::Workspace;
 use crate::relax::advance::{Advance, advance};
 use crate::wall::Setpoint;
 
@@ -92,16 +94,23 @@ impl Twin {
     pub(super) fn advance(&mut self, setpoint: &Setpoint) -> Advance {
         let here = self.outcome;
         let Self { model, state, work, pool, .. } = self;
-        pool.install(|| advance(model, state, work, setpoint, here))
+        pool.install(|| match &model.plane {
+            None => advance(model, state, work, setpoint, here),
+            Some(_) => {
+                let Workspace { plane, neighbours, .. } = work;
+                plane::advance::advance(model, state, plane, neighbours, setpoint, here)
+            }
+        })
     }
 
     /// The walls now.
     pub(super) fn stand(&mut self) -> Stand {
         let Self { model, state, work, .. } = self;
         work.neighbours.refresh(model, &state.position, &state.bounds(model));
-        Stand {
-            displacement: state.displacement,
-            force: walls::normal_forces(model, state, &work.neighbours),
-        }
+        let force = match &model.plane {
+            None => walls::normal_forces(model, state, &work.neighbours),
+            Some(_) => plane::contacts::normal_forces(model, state, &work.neighbours),
+        };
+        Stand { displacement: state.displacement, force }
     }
 }

@@ -11,6 +11,7 @@ use crate::measure::{
     sudden, walls,
 };
 use crate::model::Model;
+use crate::plane;
 use crate::relax::advance::Advance;
 use crate::relax::tangent;
 use crate::report::{
@@ -85,7 +86,10 @@ impl Twin {
     fn contacts(&mut self) -> Contacts {
         let Self { model, state, work, .. } = self;
         work.neighbours.refresh(model, &state.position, &state.bounds(model));
-        Contacts::of(model, state, &work.neighbours)
+        match &model.plane {
+            None => Contacts::of(model, state, &work.neighbours),
+            Some(_) => plane::contacts::of(model, state, &work.neighbours),
+        }
     }
 
     fn loaded(&self, contacts: &Contacts) -> Loaded {
@@ -112,8 +116,11 @@ impl Twin {
             natural_strain: stress::natural_strain(bounds, &model.reference),
             stress_walls: row_major(stress),
             stress_contacts: row_major(&stress::from_contacts(&contacts.list, bounds)),
-            confining_stress: stress.trace() / 3.0,
-            deviatoric_stress: normal[2] - 0.5 * (normal[0] + normal[1]),
+            confining_stress: stress.trace() / f64::from(model.dimensions()),
+            deviatoric_stress: match &model.plane {
+                None => normal[2] - 0.5 * (normal[0] + normal[1]),
+                Some(_) => normal[1] - normal[0],
+            },
             porosity: porosity::porosity(model, &contacts.list, bounds),
             coordination_number: f64::from(numbers.iter().sum::<u32>()) / model.len() as f64,
             sliding_ratio: contacts.sliding_ratio(),
@@ -163,7 +170,11 @@ impl Twin {
                 let stress = change(loaded.normal_stress(), before.0);
                 let strain = change(loaded.strain, before.1);
                 let density = density(&self.model, &loaded.bounds);
-                Moduli { tangent: relaxed, ..moduli::secant(stress, strain, density) }
+                let secant = match &self.model.plane {
+                    None => moduli::secant(stress, strain, density),
+                    Some(_) => moduli::secant_in_plane(stress, strain, density),
+                };
+                Moduli { tangent: relaxed, ..secant }
             }
         }
     }

@@ -1,4 +1,5 @@
-//! Discs, their samples and their tests (van Baars' model).
+//! Discs in the plane.
+
 #![allow(clippy::unwrap_used, reason = "a test that fails may panic")]
 
 #[path = "../common/cemented.rs"]
@@ -6,6 +7,10 @@ mod cemented;
 #[path = "../common/packs.rs"]
 mod packs;
 
+mod balance;
+mod biaxial;
 mod crystal;
+mod discs;
 mod gradings;
 mod rescale;
+mod samples;

@@ -36,7 +36,7 @@ pub(super) fn describe(loaded: &Loaded) -> Result<String, Failure> {
             (specimen::describe(&pack), pack.bounds)
         }
     };
-    let commands = path::commands(&scene.load_path, loaded.folder(), &bounds)?;
+    let commands = path::commands_of(scene, loaded.folder(), &bounds)?;
     let duration = commands.last().map_or(0.0, |command| command.stamp.seconds());
     Ok(format!(
         "scene           {}, {}: right\n{contents}{}load path       {} commands, {} s\n",

@@ -29,6 +29,14 @@ impl Gate {
     pub(super) fn setpoint(&self, ask: &Ask, mode: Mode) -> Result<Setpoint, String> {
         let targets = ask.targets();
         let mut setpoint = self.now;
+        for (w, target) in targets.iter().enumerate().skip(self.walls) {
+            if !matches!(target, WallTarget::Keep | WallTarget::Displacement(0.0)) {
+                return Err(format!(
+                    "{} is asked for something: discs have no such wall; allowed: 0 m, or keep",
+                    wall::NAMES[w]
+                ));
+            }
+        }
         for (w, target) in targets.into_iter().enumerate() {
             let keeps = matches!(ask, Ask::Displacement(_)) && self.now[w].load().is_some();
             if !keeps {

@@ -1,0 +1,40 @@
+//! Discs in the plane: the core of a scene with `dimension: 2` (van Baars' Grain; B is his thesis).
+//!
+//! A grain has three freedoms, x, y and its turn φ about z, and nothing of the third dimension is in
+//! its memory or loop. State, reports and recordings are those of spheres with z = 0: a disc is as deep
+//! as the box, whose depth is the mean diameter (B 3.1.3), so that areas, volumes and stresses are those
+//! of the box.
+//!
+//! [`advance`](advance::advance) moves the walls in sub-increments. Each begins where the contacts are
+//! ([`reference`]): their shear counts from there, with the stiffness and the limit of that normal force
+//! ([`law`]), and so has a potential. [`newton`] finds its minimum over the grains and the walls that
+//! carry loads, with the exact derivative of the balance ([`balance`]) factorised directly ([`matrix`]).
+
+pub mod advance;
+pub mod balance;
+pub mod boundary;
+mod commit;
+pub mod contacts;
+pub mod crack;
+mod floating;
+mod gauss_seidel;
+pub mod law;
+pub mod matrix;
+mod newton;
+pub mod reference;
+pub mod setup;
+mod work;
+
+pub use setup::{Setup, Strength};
+pub use work::Workspace;
+
+/// A vector in the plane.
+pub(crate) type Vec2 = nalgebra::Vector2<f64>;
+
+/// Most boundary drives: one a side.
+pub(crate) const DRIVES: usize = 4;
+
+/// `v` turned by a right angle to the left.
+pub(crate) fn left_of(v: Vec2) -> Vec2 {
+    Vec2::new(-v.y, v.x)
+}

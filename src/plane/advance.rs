@@ -1,0 +1,357 @@
+//! One load increment of discs: walls to a target, in sub-increments that the pack can follow.
+
+use super::balance::Scenery;
+use super::boundary::{self, SIDES};
+use super::reference::Joint;
+use super::work::{Drive, Workspace};
+use super::{Setup, commit, contacts, crack, gauss_seidel, newton};
+use crate::contact::Other;
+use crate::contact::neighbours::Neighbours;
+use crate::model::Model;
+use crate::relax::Outcome;
+use crate::relax::advance::{
+    Advance, add_work, part_of_the_way, present, remaining_load, remaining_strain, standing_target,
+    strain_limit,
+};
+use crate::relax::jump::{Jump, Pose};
+use crate::relax::servo::Drive as Load;
+use crate::scene::{Method, Update};
+use crate::state::{Ledger, State};
+use crate::wall::{self, Setpoint};
+
+/// A command of exactly the largest strain may come out larger by rounding and is not halved.
+const ROUNDING: f64 = 1e-9;
+/// Halvings of a sub-increment that finds no equilibrium.
+const HALVINGS: u32 = 6;
+/// Most times that the limits of friction, or loads that go with areas, are renewed.
+const RENEWALS: u32 = 12;
+/// A load is what was asked for to this share of it, and limits to this share of the mean force.
+const SETTLED: f64 = 1e-10;
+const LIMITS_SETTLED: f64 = 1e-7;
+/// Largest strain of a sub-increment in which walls give way to loads.
+const LOAD_STRAIN: f64 = 1e-3;
+
+/// Relaxes the pack as it was given: increment 0.
+pub fn settle(
+    model: &Model,
+    state: &mut State,
+    work: &mut Workspace,
+    near: &mut Neighbours,
+) -> Advance {
+    work.jumps.clear();
+    work.begin(model, state, near, true);
+    work.drives.clear();
+    let mut reached = Advance::at(solve(model, state, work, near));
+    if reached.outcome.status.is_equilibrium() {
+        reached.changes = match reached.outcome.iterations {
+            // What was an equilibrium stays what it was, to the bit.
+            0 => commit::keep(state, work),
+            _ => commit::commit(model, state, work),
+        };
+        reached.wall_force_error = newton::wall_force_error(model, state, work);
+        if state.bonds.is_empty() {
+            near.refresh(model, &state.position, &state.bounds(model));
+            crack::deposit(model, state, near);
+        }
+        reached.jumps.append(&mut work.jumps);
+    }
+    reached.iterations = reached.outcome.iterations;
+    reached.substeps = u32::from(reached.iterations > 0);
+    reached
+}
+
+/// Moves the walls of `state`, an equilibrium, to where `setpoint` has them and relaxes; as
+/// [`crate::relax::advance::advance`] does for spheres.
+pub fn advance(
+    model: &Model,
+    state: &mut State,
+    work: &mut Workspace,
+    near: &mut Neighbours,
+    setpoint: &Setpoint,
+    here: Outcome,
+) -> Advance {
+    let start = state.clone();
+    let mut last = state.clone();
+    let mut so_far = Advance::at(here);
+    near.refresh(model, &state.position, &state.bounds(model));
+    let mut forces = contacts::normal_forces(model, state, near);
+    let goal = Load::of(setpoint);
+    let mut loads = present(&goal, &forces, &state.bounds(model));
+    loop {
+        let target = standing_target(setpoint, state);
+        if state.displacement == target && loads == goal && so_far.substeps > 0 {
+            return so_far;
+        }
+        let limit = strain_limit(model, &so_far.outcome);
+        let way = remaining_strain(model, state, &target) / limit;
+        let load = remaining_load(model, &loads, &goal, &so_far.outcome) / limit.max(LOAD_STRAIN);
+        let parts = (way.max(load) * (1.0 - ROUNDING)).ceil().max(1.0);
+        let mut share = 1.0 / parts;
+        last.copy_from(state);
+        for attempt in 0.. {
+            work.jumps.clear();
+            work.begin(model, state, near, false);
+            let aim = part_of_the_way(&loads, &goal, share);
+            set_drives(work, &aim, state, model);
+            move_walls(model, state, work, &target, share);
+            let outcome = solve(model, state, work, near);
+            so_far.outcome = outcome;
+            so_far.iterations += outcome.iterations;
+            if outcome.status.is_equilibrium() {
+                loads = aim;
+                break;
+            }
+            state.copy_from(&last);
+            if attempt == HALVINGS {
+                state.copy_from(&start);
+                so_far.jumps.clear();
+                so_far.cracks.clear();
+                return so_far;
+            }
+            share *= 0.5;
+        }
+        so_far.substeps += 1;
+        let changes = commit::commit(model, state, work);
+        so_far.count(changes);
+        so_far.wall_force_error = newton::wall_force_error(model, state, work);
+        near.refresh(model, &state.position, &state.bounds(model));
+        let next = contacts::normal_forces(model, state, near);
+        so_far.jumps.append(&mut work.jumps);
+        add_work(state, &last.displacement, &forces, &next);
+        forces = next;
+        if !break_bonds(model, state, work, near, &mut so_far, &mut forces) {
+            state.copy_from(&start);
+            so_far.jumps.clear();
+            so_far.cracks.clear();
+            return so_far;
+        }
+    }
+}
+
+/// Turns the loads of walls into drives of the sides, with the areas of `state`.
+fn set_drives(work: &mut Workspace, loads: &[Load], state: &State, model: &Model) {
+    let bounds = state.bounds(model);
+    work.drives.clear();
+    work.drives.extend(loads.iter().filter(|load| load.axis < 2).map(|load| {
+        let mut shares = [0.0; SIDES];
+        shares[2 * load.axis..2 * load.axis + 2].copy_from_slice(&load.shares);
+        // Both walls of a pair carry the load each; together they move by the way of the drive.
+        Drive { shares, force: load.goal(&bounds), stress: load.stress() }
+    }));
+}
+
+/// Moves the standing walls by `share` of what is left to `target`, the grains affinely with them.
+fn move_walls(
+    model: &Model,
+    state: &mut State,
+    work: &mut Workspace,
+    target: &[f64; wall::COUNT],
+    share: f64,
+) {
+    let bounds = state.bounds(model);
+    let mut ways = [0.0; SIDES];
+    for (w, (now, target)) in state.displacement.iter_mut().zip(target).enumerate() {
+        let next = if share >= 1.0 { *target } else { *now + share * (target - *now) };
+        if w < SIDES {
+            ways[w] = next - *now;
+        }
+        *now = next;
+    }
+    for at in &mut work.pose.at {
+        *at += boundary::carried(model, &bounds, state.tilt, &ways, *at);
+    }
+    if work.drives.is_empty() && ways == [0.0; SIDES] {
+        return;
+    }
+    newton::predict(model, state, work);
+}
+
+/// Relaxes until loads, limits of friction and open contacts are what they shall be.
+fn solve(model: &Model, state: &mut State, work: &mut Workspace, near: &mut Neighbours) -> Outcome {
+    let Some(setup) = &model.plane else { return Outcome::NONE };
+    let current =
+        model.friction.as_ref().is_some_and(|friction| friction.update == Update::Current);
+    let mut iterations = 0;
+    let mut before = Pose::default();
+    before.copy(state);
+    for at in before.position.iter_mut().zip(&work.pose.at) {
+        (at.0.x, at.0.y) = (at.1.x, at.1.y);
+    }
+    let mut concave = false;
+    let mut first: Option<(f64, f64)> = None;
+    let mut renewals = 0;
+    loop {
+        if first.is_none() {
+            work.evaluate(model, state);
+            first = Some((work.balance.potential(), work.balance.sums.virial.iter().sum()));
+        }
+        let mut outcome = match model.solver.method {
+            Method::GaussSeidel => gauss_seidel::relax(model, state, work, near),
+            _ => newton::relax(model, state, work, near),
+        };
+        concave |= work.search.concave;
+        iterations += outcome.iterations;
+        outcome.iterations = iterations;
+        if !outcome.status.is_equilibrium() {
+            return outcome;
+        }
+        let opened = open(model, setup, state, work);
+        let loaded = renew_loads(model, state, work);
+        let limited = current && renewals < RENEWALS && renew_limits(model, setup, state, work);
+        renewals += 1;
+        if !(opened || loaded || limited) {
+            if concave && let Some(first) = first {
+                work.jumps.extend(jump(model, state, work, before, first));
+            }
+            return outcome;
+        }
+    }
+}
+
+/// Takes shear from contacts that opened.
+fn open(model: &Model, setup: &Setup, state: &State, work: &mut Workspace) -> bool {
+    let mut reference = std::mem::take(&mut work.reference);
+    let any = reference.open(|joint| overlap(model, setup, state, work, joint));
+    work.reference = reference;
+    any
+}
+
+fn renew_limits(model: &Model, setup: &Setup, state: &State, work: &mut Workspace) -> bool {
+    let mut reference = std::mem::take(&mut work.reference);
+    let most = reference.renew(model, |joint| overlap(model, setup, state, work, joint));
+    work.reference = reference;
+    most > LIMITS_SETTLED * work.balance.sums.mean_force()
+}
+
+fn overlap(model: &Model, setup: &Setup, state: &State, work: &Workspace, joint: &Joint) -> f64 {
+    let Workspace { reference, bodies, pose, .. } = work;
+    let scenery =
+        Scenery { model, setup, reference, bodies, carries: &state.carries, goes_on: false };
+    let act = match joint.second {
+        Other::Grain(_) => scenery.pair(joint, pose),
+        Other::Wall(_) => scenery.edge(joint, pose),
+    };
+    act.map_or(-f64::INFINITY, |act| act.overlap)
+}
+
+/// Forces of the loads that are stresses follow the areas; says whether any changed.
+fn renew_loads(model: &Model, state: &State, work: &mut Workspace) -> bool {
+    let bounds = state.bounds(model);
+    let mut changed = false;
+    for drive in &mut work.drives {
+        let Some(stress) = drive.stress else { continue };
+        let side = drive.shares.iter().position(|share| *share != 0.0).unwrap_or(0);
+        let force = stress * bounds.area(side);
+        changed |= (force - drive.force).abs() > SETTLED * force;
+        drive.force = force;
+    }
+    changed
+}
+
+/// What the pack did on its way from `before`, where its potential and virial were `first`, to another
+/// minimum; `None` where no grain went further than the mean overlap.
+fn jump(
+    model: &Model,
+    state: &mut State,
+    work: &Workspace,
+    before: Pose,
+    (potential, virial): (f64, f64),
+) -> Option<Jump> {
+    work.put(state);
+    let sums = &work.balance.sums;
+    let far = sums.mean_overlap();
+    let grains: Vec<(u32, f64)> = before
+        .moved(model, state)
+        .enumerate()
+        .filter(|(i, _)| state.carries[*i])
+        .map(|(i, way)| (i as u32, way.norm()))
+        .filter(|&(_, way)| way > far)
+        .collect();
+    if grains.is_empty() {
+        return None;
+    }
+    let worked: f64 = work
+        .drives
+        .iter()
+        .map(|drive| {
+            let way = |side: usize| {
+                drive.shares[side] * (state.displacement[side] - before.displacement[side])
+            };
+            let moved: f64 = (0..SIDES).map(way).sum();
+            let shares: f64 = drive.shares.iter().map(|share| share * share).sum();
+            drive.force * moved / shares
+        })
+        .sum();
+    let volume = 3.0 * state.bounds(model).volume();
+    let mut after = Pose::default();
+    after.copy(state);
+    Some(Jump {
+        stress_before: virial / volume,
+        stress_after: sums.virial.iter().sum::<f64>() / volume,
+        energy_before: potential + worked,
+        energy_after: work.balance.potential(),
+        grains,
+        before,
+        after,
+    })
+}
+
+/// Breaks the overloaded bonds of `state`, an equilibrium, one by one, with all walls where they are, as
+/// [`crate::relax::advance`] does for cement. Says whether there was an equilibrium after each.
+fn break_bonds(
+    model: &Model,
+    state: &mut State,
+    work: &mut Workspace,
+    near: &mut Neighbours,
+    so_far: &mut Advance,
+    forces: &mut [f64; wall::COUNT],
+) -> bool {
+    let cracks = so_far.cracks.len();
+    while !state.bonds.is_empty() {
+        let found = contacts::of(model, state, near);
+        let Some((place, mut crack)) = crack::weakest(model, state, &found) else { break };
+        let start = crack::Ends::of(model, state, &found, &crack);
+        let stored = so_far.outcome.sums.energy + state.friction.stored;
+        let had = so_far.outcome.sums.energy + ledger(state);
+        crack::break_bond(state, place, crack.mode);
+        work.jumps.clear();
+        work.begin(model, state, near, false);
+        work.drives.clear();
+        let outcome = solve(model, state, work, near);
+        so_far.outcome = outcome;
+        so_far.iterations += outcome.iterations;
+        if !outcome.status.is_equilibrium() {
+            return false;
+        }
+        let changes = commit::commit(model, state, work);
+        so_far.count(changes);
+        let has = outcome.sums.energy + ledger(state);
+        let released = had - has - work.jumps.iter().map(Jump::released).sum::<f64>();
+        state.friction.broken += released;
+        near.refresh(model, &state.position, &state.bounds(model));
+        let end = crack::Ends::of(model, state, &contacts::of(model, state, near), &crack);
+        crack.relaxed = crate::relax::breakage::Relaxed {
+            substep: so_far.substeps,
+            jumps: so_far.jumps.len() as u32,
+            stress: [start.stress, end.stress],
+            energy: stored,
+            released,
+            moved: [0, 1].map(|k| end.at[k] - start.at[k]),
+            turned: [0, 1].map(|k| end.turn[k] - start.turn[k]),
+            apart: end.apart,
+        };
+        so_far.cracks.push(crack);
+        so_far.jumps.append(&mut work.jumps);
+    }
+    if so_far.cracks.len() > cracks {
+        *forces = contacts::normal_forces(model, state, near);
+        so_far.wall_force_error = newton::wall_force_error(model, state, work);
+    }
+    true
+}
+
+/// Energy that shear stores, and what slip has taken \[J\].
+fn ledger(state: &State) -> f64 {
+    let Ledger { stored, slip, renewal, .. } = state.friction;
+    stored + slip + renewal
+}

@@ -1,0 +1,467 @@
+//! The balance of forces at one configuration, and its exact derivative.
+
+use super::boundary::{Body, SIDES, Shape};
+use super::law::{self, Answer};
+use super::matrix::{Block, FREEDOMS, Matrix};
+use super::reference::{Joint, Reference};
+use super::{Setup, Vec2, left_of};
+use crate::contact::Other;
+use crate::heap;
+use crate::model::Model;
+use crate::relax::balance::Sums;
+
+/// Where the grains are.
+#[derive(Clone, Debug, Default)]
+pub struct Pose {
+    /// Centres \[m\], shape (n).
+    pub at: Vec<Vec2>,
+    /// Turns since the reference \[rad\], shape (n).
+    pub turn: Vec<f64>,
+}
+
+impl Pose {
+    /// Takes over `other`.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.at.clone_from(&other.at);
+        self.turn.clone_from(&other.turn);
+    }
+
+    /// Memory that its lists hold \[bytes\].
+    pub(crate) fn heap_bytes(&self) -> usize {
+        heap::bytes(&self.at) + heap::bytes(&self.turn)
+    }
+}
+
+/// What one contact does.
+#[derive(Clone, Copy, Debug)]
+pub struct Act {
+    /// Unit vector along which the distance grows.
+    pub along: Vec2,
+    /// Distance \[m\].
+    pub distance: f64,
+    /// -1 in a ring.
+    pub sign: f64,
+    /// Overlap \[m\].
+    pub overlap: f64,
+    /// Shear displacement since the reference \[m\].
+    pub slid: f64,
+    /// Normal answer.
+    pub normal: Answer,
+    /// Shear answer.
+    pub shear: Answer,
+    /// Whether it slides.
+    pub slides: bool,
+    /// ∂(shear displacement)/∂x of grain i, along the tangent.
+    pub pitch: f64,
+}
+
+impl Act {
+    /// Force on grain i \[N\].
+    #[must_use]
+    pub fn force(&self) -> Vec2 {
+        self.along * (self.sign * self.normal.force) + self.tangential()
+    }
+
+    /// Tangential force on grain i \[N\].
+    #[must_use]
+    pub fn tangential(&self) -> Vec2 {
+        left_of(self.along) * (-self.pitch * self.shear.force)
+    }
+}
+
+/// What the balance is taken of.
+#[derive(Clone, Copy, Debug)]
+pub struct Scenery<'a> {
+    /// Constants.
+    pub model: &'a Model,
+    /// Constants of discs.
+    pub setup: &'a Setup,
+    /// What shear counts from.
+    pub reference: &'a Reference,
+    /// What surrounds the grains.
+    pub bodies: &'a [Body],
+    /// Grains that take part.
+    pub carries: &'a [bool],
+    /// Whether every contact goes on as in the last increment: those that slid then slide, all others
+    /// stick whatever their limit.
+    pub goes_on: bool,
+}
+
+impl Scenery<'_> {
+    /// What the pair `joint` does; `None` where it does nothing.
+    #[inline]
+    #[must_use]
+    pub fn pair(&self, joint: &Joint, pose: &Pose) -> Option<Act> {
+        let Other::Grain(j) = joint.second else { return None };
+        let (i, j) = (joint.first as usize, j as usize);
+        let branch = pose.at[i] - pose.at[j];
+        let square = branch.norm_squared();
+        let pulls = joint.bonded;
+        if !pulls && square >= joint.reach * joint.reach && !(joint.held && !joint.opened) {
+            return None;
+        }
+        if !(self.carries[i] && self.carries[j]) {
+            return None;
+        }
+        let distance = square.sqrt();
+        let along = branch / distance;
+        let overlap = joint.reach - distance;
+        let normal = law::normal(self.setup.law, joint.modulus, overlap, joint.bonded);
+        let mut act = Act::pressing(along, distance, 1.0, overlap, normal);
+        if joint.held && !joint.opened {
+            let rolled = joint.arm[0] * pose.turn[i] + joint.arm[1] * pose.turn[j];
+            let slid = joint.span * angle(&joint.along, &along) - rolled;
+            act.slide(joint, slid, joint.span / distance, self.goes_on);
+        }
+        Some(act)
+    }
+
+    /// What the edge `joint` does; `None` where it does nothing.
+    #[inline]
+    #[must_use]
+    pub fn edge(&self, joint: &Joint, pose: &Pose) -> Option<Act> {
+        let Other::Wall(b) = joint.second else { return None };
+        let i = joint.first as usize;
+        let body = &self.bodies[b as usize];
+        let near = body.near(pose.at[i], self.model.radius[i]);
+        let shears = joint.held && !joint.opened;
+        if near.overlap <= 0.0 && !shears || !self.carries[i] {
+            return None;
+        }
+        let normal = law::normal(self.setup.law, joint.modulus, near.overlap, false);
+        let mut act = Act::pressing(near.along, near.distance, near.sign, near.overlap, normal);
+        if shears {
+            let rolled = joint.arm[0] * pose.turn[i];
+            match body.shape {
+                Shape::Plane(normal) => {
+                    let station = (pose.at[i] - body.at).dot(&left_of(normal));
+                    act.slide(joint, station - joint.station - rolled, 1.0, self.goes_on);
+                }
+                Shape::Disc(_) | Shape::Ring(_) => {
+                    let way = joint.span * angle(&joint.along, &near.along);
+                    let pitch = joint.span / near.distance;
+                    act.slide(joint, way - rolled, pitch, self.goes_on);
+                }
+            }
+        }
+        Some(act)
+    }
+}
+
+impl Act {
+    #[inline]
+    fn pressing(along: Vec2, distance: f64, sign: f64, overlap: f64, normal: Answer) -> Self {
+        let shear = Answer::default();
+        Self { along, distance, sign, overlap, slid: 0.0, normal, shear, slides: false, pitch: 0.0 }
+    }
+
+    #[inline]
+    fn slide(&mut self, joint: &Joint, slid: f64, pitch: f64, goes_on: bool) {
+        (self.shear, self.slides) = match goes_on {
+            true => joint.shear.as_before(slid, joint.slid),
+            false => joint.shear.answer(slid),
+        };
+        self.slid = slid;
+        self.pitch = pitch;
+    }
+}
+
+/// Angle from `from` to `to` \[rad\].
+#[inline]
+fn angle(from: &Vec2, to: &Vec2) -> f64 {
+    from.perp(to).atan2(from.dot(to))
+}
+
+/// Energy and gradient at one configuration.
+#[derive(Clone, Debug, Default)]
+pub struct Balance {
+    /// Gradient of the potential over x, y and the turn times the radius \[N\], three numbers a grain;
+    /// zero for grains that take no part.
+    pub gradient: Vec<f64>,
+    /// Its derivatives over the inward displacements of the sides \[N\]: what each side is pressed with.
+    pub sides: [f64; SIDES],
+    /// Totals of the normal forces.
+    pub sums: Sums,
+    /// Potential of shear since the reference \[J\].
+    pub shear_potential: f64,
+    /// How often the balance was taken.
+    pub evaluations: u64,
+}
+
+impl Balance {
+    /// Takes the balance of `pose`.
+    pub fn evaluate(&mut self, scenery: &Scenery<'_>, pose: &Pose) {
+        let Scenery { model, setup, reference, bodies, carries, .. } = scenery;
+        self.evaluations += 1;
+        self.gradient.clear();
+        self.gradient.resize(FREEDOMS * pose.at.len(), 0.0);
+        self.sides = [0.0; SIDES];
+        self.sums = Sums::NONE;
+        self.shear_potential = 0.0;
+        for joint in &reference.pairs {
+            let Some(act) = scenery.pair(joint, pose) else { continue };
+            let Other::Grain(j) = joint.second else { continue };
+            let force = act.force();
+            self.add(model, joint.first, -force, -joint.arm[0] * act.shear.force);
+            self.add(model, j, force, -joint.arm[1] * act.shear.force);
+            self.count(&act);
+        }
+        for joint in &reference.edges {
+            let Some(act) = scenery.edge(joint, pose) else { continue };
+            let Other::Wall(b) = joint.second else { continue };
+            let body = &bodies[b as usize];
+            self.add(model, joint.first, -act.force(), -joint.arm[0] * act.shear.force);
+            self.sides[body.side as usize] += Self::pressed(&act, body);
+            self.count(&act);
+        }
+        let gravity = Vec2::new(model.gravity.x, model.gravity.y);
+        if model.has_gravity() {
+            for (i, at) in pose.at.iter().enumerate().filter(|(i, _)| carries[*i]) {
+                let weight = gravity * model.mass(i);
+                self.sums.energy -= weight.dot(at);
+                self.add(model, i as u32, -weight, 0.0);
+            }
+        }
+        if !setup.turns {
+            self.gradient.iter_mut().skip(2).step_by(FREEDOMS).for_each(|turn| *turn = 0.0);
+        }
+    }
+
+    /// What `act` presses the side of `body` with, along its inward displacement \[N\].
+    pub(super) fn pressed(act: &Act, body: &Body) -> f64 {
+        act.normal.force * body.growth + act.force().dot(&body.slide)
+    }
+
+    #[inline]
+    fn add(&mut self, model: &Model, grain: u32, force: Vec2, moment: f64) {
+        let to = FREEDOMS * grain as usize;
+        self.gradient[to] += force.x;
+        self.gradient[to + 1] += force.y;
+        self.gradient[to + 2] += moment / model.radius[grain as usize];
+    }
+
+    #[inline]
+    fn count(&mut self, act: &Act) {
+        let Answer { energy, force, .. } = act.normal;
+        self.shear_potential += act.shear.energy;
+        if force == 0.0 {
+            return;
+        }
+        let sums = &mut self.sums;
+        sums.energy += energy;
+        sums.force += force.abs();
+        sums.overlap += act.overlap.max(0.0);
+        sums.contacts += 1;
+        for axis in 0..2 {
+            sums.virial[axis] += force * act.along[axis].powi(2) * act.distance;
+        }
+    }
+
+    /// Potential of everything \[J\].
+    #[must_use]
+    pub fn potential(&self) -> f64 {
+        self.sums.energy + self.shear_potential
+    }
+}
+
+/// The derivative of the balance over grains and sides.
+#[derive(Clone, Debug, Default)]
+pub struct Slope {
+    /// Over the grains.
+    pub matrix: Matrix,
+    /// ∂(gradient)/∂(inward displacement) of each side \[N/m\], three numbers a grain.
+    pub columns: [Vec<f64>; SIDES],
+    /// ∂²(potential)/∂(displacement)² of each side \[N/m\].
+    pub corner: [f64; SIDES],
+    /// Stiffness of a grain without any, so that it stays where it is \[N/m\].
+    pub idle: f64,
+}
+
+impl Slope {
+    /// Takes the derivative at `pose`.
+    pub fn assemble(&mut self, scenery: &Scenery<'_>, pose: &Pose) {
+        let Scenery { model, setup, reference, bodies, carries, .. } = scenery;
+        self.matrix.clear();
+        self.corner = [0.0; SIDES];
+        for column in &mut self.columns {
+            column.clear();
+            column.resize(FREEDOMS * pose.at.len(), 0.0);
+        }
+        for (joint, block) in reference.pairs.iter().zip(&mut self.matrix.pairs) {
+            let Some(act) = scenery.pair(joint, pose) else { continue };
+            let Other::Grain(j) = joint.second else { continue };
+            let (i, j) = (joint.first as usize, j as usize);
+            let parts = Parts::of(&act);
+            let lever = [joint.arm[0] / model.radius[i], joint.arm[1] / model.radius[j]];
+            let [own, mixed, other] = parts.blocks(lever, setup.turns);
+            add(&mut self.matrix.diagonal[i], &own);
+            add(&mut self.matrix.diagonal[j], &other);
+            *block = mixed;
+        }
+        for joint in &reference.edges {
+            let Some(act) = scenery.edge(joint, pose) else { continue };
+            let Other::Wall(b) = joint.second else { continue };
+            let body = &bodies[b as usize];
+            let i = joint.first as usize;
+            let mut parts = Parts::of(&act);
+            if joint.is_flat(bodies) {
+                parts.flat();
+            }
+            let lever = [joint.arm[0] / model.radius[i], 0.0];
+            let [own, ..] = parts.blocks(lever, setup.turns);
+            add(&mut self.matrix.diagonal[i], &own);
+            let side = body.side as usize;
+            let (column, corner) = parts.column(lever[0], body, setup.turns);
+            let to = &mut self.columns[side][FREEDOMS * i..FREEDOMS * (i + 1)];
+            to.iter_mut().zip(column).for_each(|(to, x)| *to += x);
+            self.corner[side] += corner;
+        }
+        for (block, carries) in self.matrix.diagonal.iter_mut().zip(*carries) {
+            let still = if *carries && setup.turns { 0 } else { 2 };
+            for (a, row) in block.iter_mut().enumerate() {
+                // What is not solved for, and what nothing holds, stays.
+                if !carries || a >= still && still > 0 || row[a] == 0.0 {
+                    row[a] += self.idle;
+                }
+            }
+        }
+    }
+}
+
+/// The parts of the second derivative of one contact: of x of grain i relative to the other body.
+struct Parts {
+    /// Over the relative position.
+    push: [[f64; 2]; 2],
+    /// ∇ of the shear displacement over the relative position.
+    shift: Vec2,
+    /// ∇ of the overlap over the relative position.
+    close: Vec2,
+    normal: f64,
+    shear: f64,
+}
+
+impl Parts {
+    #[inline]
+    fn of(act: &Act) -> Self {
+        let e = act.along;
+        let t = left_of(e);
+        let shear = act.shear.stiffness;
+        let close = e * -act.sign;
+        let shift = t * act.pitch;
+        // ∇²h = -sign t tᵀ/d and ∇²u = -pitch (e tᵀ + t eᵀ)/d.
+        let bend = -act.sign * act.normal.force / act.distance;
+        let swing = -act.shear.force * act.pitch / act.distance;
+        let mut push = [[0.0; 2]; 2];
+        for a in 0..2 {
+            for b in 0..2 {
+                push[a][b] = act.normal.stiffness * close[a] * close[b]
+                    + shear * shift[a] * shift[b]
+                    + bend * t[a] * t[b]
+                    + swing * (e[a] * t[b] + t[a] * e[b]);
+            }
+        }
+        Self { push, shift, close, normal: act.normal.stiffness, shear }
+    }
+
+    /// Takes away what the curvature of a plane would do: there is none.
+    fn flat(&mut self) {
+        for a in 0..2 {
+            for b in 0..2 {
+                self.push[a][b] = self.normal * self.close[a] * self.close[b]
+                    + self.shear * self.shift[a] * self.shift[b];
+            }
+        }
+    }
+
+    /// Blocks (i, i), (i, j) and (j, j) over position and turn times radius.
+    #[inline]
+    fn blocks(&self, lever: [f64; 2], turns: bool) -> [Block; 3] {
+        let mut own = [[0.0; FREEDOMS]; FREEDOMS];
+        let (mut mixed, mut other) = (own, own);
+        for a in 0..2 {
+            for b in 0..2 {
+                own[a][b] = self.push[a][b];
+                mixed[a][b] = -self.push[a][b];
+                other[a][b] = self.push[a][b];
+            }
+        }
+        if turns {
+            let [li, lj] = lever;
+            for a in 0..2 {
+                let pull = self.shear * self.shift[a];
+                own[a][2] = -pull * li;
+                own[2][a] = own[a][2];
+                mixed[a][2] = -pull * lj;
+                mixed[2][a] = pull * li;
+                other[a][2] = pull * lj;
+                other[2][a] = other[a][2];
+            }
+            own[2][2] = self.shear * li * li;
+            mixed[2][2] = self.shear * li * lj;
+            other[2][2] = self.shear * lj * lj;
+        }
+        [own, mixed, other]
+    }
+
+    /// ∂(gradient of the grain)/∂(inward displacement) of the side of `body`, and the second derivative
+    /// over that displacement alone.
+    fn column(&self, lever: f64, body: &Body, turns: bool) -> ([f64; FREEDOMS], f64) {
+        let v = body.slide;
+        let grown = self.normal * body.growth;
+        let mut column = [0.0; FREEDOMS];
+        for a in 0..2 {
+            column[a] = -(self.push[a][0] * v.x + self.push[a][1] * v.y) + grown * self.close[a];
+        }
+        if turns {
+            column[2] = self.shear * lever * self.shift.dot(&v);
+        }
+        let mut corner = grown * body.growth;
+        for a in 0..2 {
+            for b in 0..2 {
+                corner += v[a] * self.push[a][b] * v[b];
+            }
+            corner -= 2.0 * grown * self.close[a] * v[a];
+        }
+        (column, corner)
+    }
+}
+
+fn add(to: &mut Block, block: &Block) {
+    for (to, from) in to.iter_mut().zip(block) {
+        to.iter_mut().zip(from).for_each(|(to, from)| *to += from);
+    }
+}
+
+impl Slope {
+    /// Adds the product of the derivative over the grains with `of` to `to`.
+    pub(super) fn multiply(&self, of: &[f64], reference: &Reference, to: &mut [f64]) {
+        for (i, block) in self.matrix.diagonal.iter().enumerate() {
+            for (a, row) in block.iter().enumerate() {
+                for (b, entry) in row.iter().enumerate() {
+                    to[FREEDOMS * i + a] += entry * of[FREEDOMS * i + b];
+                }
+            }
+        }
+        for (joint, block) in reference.pairs.iter().zip(&self.matrix.pairs) {
+            let Other::Grain(j) = joint.second else { continue };
+            let (i, j) = (FREEDOMS * joint.first as usize, FREEDOMS * j as usize);
+            for (a, row) in block.iter().enumerate() {
+                for (b, entry) in row.iter().enumerate() {
+                    to[i + a] += entry * of[j + b];
+                    to[j + b] += entry * of[i + a];
+                }
+            }
+        }
+    }
+}
+
+/// Block of one grain for one contact; `lever` over the radius is negative for the other grain of a
+/// pair, which sees everything but turns the other way round.
+pub(super) fn own_block(act: &Act, lever: f64, flat: bool, turns: bool) -> Block {
+    let mut parts = Parts::of(act);
+    if flat {
+        parts.flat();
+    }
+    let [own, ..] = parts.blocks([lever, 0.0], turns);
+    own
+}

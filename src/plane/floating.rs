@@ -1,0 +1,168 @@
+//! Grains that cannot carry load: they are kept where they are and left out of the balance, until what
+//! moves around them leaves them no room.
+
+use super::Vec2;
+use super::balance::{Pose, Scenery};
+use super::reference::Joint;
+use super::work::Workspace;
+use crate::contact::Other;
+use crate::model::Model;
+use crate::state::State;
+
+/// Contacts below this share of the mean force hold nobody.
+const FAINT: f64 = 1e-7;
+/// Sweeps in which floating grains are moved out of others, and the overlap that may be left over the
+/// mean radius.
+const SWEEPS: u32 = 60;
+const TOUCHING: f64 = 1e-10;
+/// How much further than needed a grain is moved out.
+const CLEAR: f64 = 1e-9;
+
+/// Scratch: who holds whom.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Floating {
+    /// Contacts of each grain, shape (n).
+    support: Vec<u32>,
+    /// Grains that came back during this search and are not dropped again, shape (n).
+    back: Vec<bool>,
+    /// Joints of floating grains: number among the pairs, or beyond them among the edges.
+    joints: Vec<u32>,
+}
+
+impl Floating {
+    /// A search begins.
+    pub(super) fn begin(&mut self, grains: usize) {
+        self.back.clear();
+        self.back.resize(grains, false);
+    }
+
+    pub(super) fn heap_bytes(&self) -> usize {
+        crate::heap::bytes(&self.support)
+            + crate::heap::bytes(&self.back)
+            + crate::heap::bytes(&self.joints)
+    }
+}
+
+/// Takes the grains out of the balance that fewer than two contacts touch, and those that come to lack
+/// them then. Says whether there were any.
+pub(super) fn drop_loose(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
+    let Some(setup) = &model.plane else { return false };
+    if model.has_gravity() {
+        return false;
+    }
+    let mut dropped = false;
+    let least = FAINT * work.balance.sums.mean_force();
+    // Without friction two forces balance only face to face.
+    let needed = 2;
+    loop {
+        let Workspace { reference, bodies, pose, floating, .. } = work;
+        floating.support.clear();
+        floating.support.resize(model.len(), 0);
+        let scenery =
+            Scenery { model, setup, reference, bodies, carries: &state.carries, goes_on: false };
+        for joint in &reference.pairs {
+            let Some(act) = scenery.pair(joint, pose) else { continue };
+            let Other::Grain(j) = joint.second else { continue };
+            if joint.bonded || act.normal.force > least {
+                let holds = if joint.bonded { needed } else { 1 };
+                floating.support[joint.first as usize] += holds;
+                floating.support[j as usize] += holds;
+            }
+        }
+        for joint in &reference.edges {
+            let Some(act) = scenery.edge(joint, pose) else { continue };
+            floating.support[joint.first as usize] += u32::from(act.normal.force > least);
+        }
+        let mut more = false;
+        for i in 0..model.len() {
+            if state.carries[i] && !floating.back[i] && floating.support[i] < needed {
+                state.carries[i] = false;
+                more = true;
+            }
+        }
+        if !more {
+            return dropped;
+        }
+        dropped = true;
+    }
+}
+
+/// Moves floating grains out of those that they overlap. Those that find no room join the balance
+/// again: says whether any does.
+pub(super) fn rejoin(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
+    if state.carries.iter().all(|carries| *carries) {
+        return false;
+    }
+    let Workspace { reference, bodies, pose, floating, .. } = work;
+    floating.joints.clear();
+    let floats = |grain: u32| !state.carries[grain as usize];
+    let pairs = reference.pairs.len() as u32;
+    for (k, joint) in reference.pairs.iter().chain(&reference.edges).enumerate() {
+        let other = matches!(joint.second, Other::Grain(j) if floats(j));
+        if floats(joint.first) || other {
+            floating.joints.push(k as u32);
+        }
+    }
+    let joint = |k: u32| match k.checked_sub(pairs) {
+        None => &reference.pairs[k as usize],
+        Some(k) => &reference.edges[k as usize],
+    };
+    let overlap = |joint: &Joint, pose: &Pose| -> (f64, Vec2) {
+        let at = pose.at[joint.first as usize];
+        match joint.second {
+            Other::Grain(j) => {
+                let branch = at - pose.at[j as usize];
+                let distance = branch.norm();
+                (joint.reach - distance, branch / distance)
+            }
+            Other::Wall(b) => {
+                let near = bodies[b as usize].near(at, model.radius[joint.first as usize]);
+                (near.overlap, near.along * near.sign)
+            }
+        }
+    };
+    let most = TOUCHING * model.mean_radius;
+    for _ in 0..SWEEPS {
+        let mut free = true;
+        for &k in &floating.joints {
+            let joint = joint(k);
+            let (deep, out) = overlap(joint, pose);
+            if deep <= 0.0 {
+                continue;
+            }
+            free &= deep <= most;
+            let way = out * (deep + CLEAR * model.mean_radius);
+            let (i, other) = (joint.first as usize, joint.second);
+            match other {
+                Other::Grain(j) if floats(joint.first) && floats(j) => {
+                    pose.at[i] += way * 0.5;
+                    pose.at[j as usize] -= way * 0.5;
+                }
+                Other::Grain(j) if floats(j) => pose.at[j as usize] -= way,
+                _ => pose.at[i] += way,
+            }
+        }
+        if free {
+            return false;
+        }
+    }
+    let mut joined = false;
+    for &k in &floating.joints {
+        let joint = joint(k);
+        if overlap(joint, pose).0 > most {
+            let other = match joint.second {
+                Other::Grain(j) => Some(j),
+                Other::Wall(_) => None,
+            };
+            for grain in [Some(joint.first), other].into_iter().flatten() {
+                let grain = grain as usize;
+                if !state.carries[grain] {
+                    state.carries[grain] = true;
+                    floating.back[grain] = true;
+                    joined = true;
+                }
+            }
+        }
+    }
+    joined
+}

@@ -1,0 +1,411 @@
+//! Newton's method: the minimum of the potential over the grains and the walls that carry loads.
+//!
+//! The unknowns are the grains' freedoms v and the way e of every drive, which takes the grains along
+//! affinely, x = v + X e. With the derivative H of the balance over the grains, and the drive's columns
+//! C, a step is
+//!
+//! ```text
+//! H v = -g - C e,    (S - C·H⁻¹C) e = -(Γ - C·H⁻¹g)
+//! ```
+//!
+//! Where H is not positive definite the pack is on its way to another minimum: a shift of the diagonal
+//! then keeps steps downhill (Levenberg), and each is cut to a length that grains cannot jump over each
+//! other with (B 2.4, "truncate").
+
+use nalgebra::{SMatrix, SVector};
+
+use super::balance::{Balance, Pose, Scenery};
+use super::boundary::{self, SIDES};
+use super::matrix::FREEDOMS;
+use super::work::{Drive, Workspace};
+use super::{DRIVES, Vec2, floating};
+use crate::contact::neighbours::Neighbours;
+use crate::heap;
+use crate::model::Model;
+use crate::relax::{Outcome, Status};
+use crate::state::State;
+use crate::wall;
+
+/// Longest step of a grain over the mean radius, and largest strain of a drive.
+const LONGEST: f64 = 0.05;
+const LARGEST_STRAIN: f64 = 0.01;
+/// Shift over the mean stiffness that is always there, so that grains which nothing holds on one side
+/// stay where they are; its growth, and the largest.
+const LEAST_SHIFT: f64 = 1e-7;
+const GROWTH: f64 = 10.0;
+const MOST_SHIFT: f64 = 1e3;
+/// Share of the first slope along a step that may be left where it ends.
+const FLAT: f64 = 0.5;
+/// Most configurations that are looked at along one step.
+const LOOKS: u32 = 25;
+/// Steps before a relaxation is given up, where the scene does not say: from grains that hardly touch to a
+/// dense pack without friction takes some hundreds.
+const MOST_STEPS: u32 = 5000;
+/// Steps without a smaller residual after which rounding is what is left.
+const PATIENCE: u32 = 12;
+
+/// Scratch of a search.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Search {
+    /// Step of the grains, three numbers each.
+    step: Vec<f64>,
+    /// H⁻¹ g.
+    newton: Vec<f64>,
+    /// Where each drive takes the grains: X, three numbers a grain.
+    carried: [Vec<f64>; DRIVES],
+    /// C of each drive, and H⁻¹ C.
+    column: [Vec<f64>; DRIVES],
+    response: [Vec<f64>; DRIVES],
+    /// Way of each drive \[m\].
+    way: [f64; DRIVES],
+    /// Shift of the diagonal \[N/m\], and whether it had to be more than the least.
+    shift: f64,
+    shifted: bool,
+    /// Whether the pack was met where it is no minimum.
+    pub(super) concave: bool,
+}
+
+impl Search {
+    pub(super) fn heap_bytes(&self) -> usize {
+        let lists = self.carried.iter().chain(&self.column).chain(&self.response);
+        heap::bytes(&self.step) + heap::bytes(&self.newton) + lists.map(heap::bytes).sum::<usize>()
+    }
+}
+
+/// Largest force that a grain is out of balance by \[N\].
+pub(super) fn largest(balance: &Balance) -> f64 {
+    let force = |g: &[f64]| g[0].hypot(g[1]).max(g[2].abs());
+    balance.gradient.chunks_exact(FREEDOMS).map(force).fold(0.0, f64::max)
+}
+
+/// What residuals are measured in \[N\]: the mean contact force, or what a load makes of it where
+/// nothing touches yet.
+pub(super) fn unit_force(model: &Model, work: &Workspace) -> f64 {
+    let weight = if model.has_gravity() { model.gravity.norm() * heaviest(model) } else { 0.0 };
+    let sums = &work.balance.sums;
+    let load = |drive: &Drive| {
+        let side = drive.shares.iter().position(|share| *share != 0.0).unwrap_or(0);
+        let length = model.start.sides()[1 - wall::axis(side)];
+        drive.force * 2.0 * model.mean_radius / length
+    };
+    let loads = work.drives.iter().map(load).fold(0.0, f64::max);
+    sums.mean_force().max(weight).max(loads).max(model.least_force).max(f64::MIN_POSITIVE)
+}
+
+fn heaviest(model: &Model) -> f64 {
+    (0..model.len()).map(|i| model.mass(i)).fold(0.0, f64::max)
+}
+
+/// Residual of the balance at the pose: largest unbalanced force of a grain or of a wall under a load
+/// over the mean contact force.
+pub(super) fn residual(model: &Model, work: &Workspace) -> f64 {
+    let walls = work.unbalance(&work.balance).iter().fold(0.0_f64, |most, f| most.max(f.abs()));
+    largest(&work.balance).max(walls) / unit_force(model, work)
+}
+
+/// Relaxes `state` from where it is; the pose and the reference are those of `work`.
+pub(super) fn relax(
+    model: &Model,
+    state: &mut State,
+    work: &mut Workspace,
+    near: &mut Neighbours,
+) -> Outcome {
+    let tolerance = model.solver.tolerance;
+    let mut outcome = Outcome { status: Status::MaxIterations, ..Outcome::NONE };
+    let (mut best, mut worse) = (f64::INFINITY, 0);
+    (work.search.shift, work.search.shifted) = (0.0, false);
+    work.search.concave = false;
+    work.floating.begin(model.len());
+    work.refresh(model, state, near);
+    work.evaluate(model, state);
+    for iteration in 0..=model.solver.max_iterations.unwrap_or(MOST_STEPS) {
+        outcome.iterations = iteration;
+        outcome.sums = work.balance.sums;
+        outcome.residual = residual(model, work);
+        if std::env::var("PT").is_ok() {
+            eprintln!(
+                "it {iteration} res {:.3e} shift {:.2e} contacts {} carr {} unb {:?} disp {:?} force {:.3e}",
+                outcome.residual,
+                work.search.shift,
+                outcome.sums.contacts,
+                state.carries.iter().filter(|c| **c).count(),
+                &work.unbalance(&work.balance)[..2],
+                &state.displacement[..4],
+                outcome.sums.mean_force()
+            );
+        } // DEBUG
+        if !outcome.residual.is_finite() {
+            outcome.status = Status::NonFinite;
+            return outcome;
+        }
+        if outcome.residual <= tolerance && !work.search.shifted {
+            if floating::rejoin(model, state, work) {
+                work.refresh(model, state, near);
+                work.evaluate(model, state);
+                (best, worse) = (f64::INFINITY, 0);
+                continue;
+            }
+            let none = work.balance.sums.contacts == 0;
+            outcome.status = if none { Status::Unjammed } else { Status::Converged };
+            return outcome;
+        }
+        if outcome.residual < best {
+            (best, worse) = (outcome.residual, 0);
+        } else {
+            worse += 1;
+            // Far from a minimum residuals may rise for long.
+            if worse > PATIENCE && best < 1e-6 {
+                outcome.status = Status::Stalled;
+                return outcome;
+            }
+        }
+        let dropped = floating::drop_loose(model, state, work);
+        if floating::rejoin(model, state, work) || dropped {
+            work.evaluate(model, state);
+        }
+        if !step(model, state, work) || !go(model, state, work) {
+            outcome.status = Status::Unstable;
+            return outcome;
+        }
+        work.refresh(model, state, near);
+        work.evaluate(model, state);
+    }
+    outcome
+}
+
+/// Stiffness of a typical contact \[N/m\].
+fn stiffness(work: &Workspace) -> f64 {
+    let sums = &work.balance.sums;
+    if sums.overlap > 0.0 { 1.5 * sums.force / sums.overlap } else { work.slope.idle }
+}
+
+/// Finds the step from the pose. Says whether there is one.
+fn step(model: &Model, state: &State, work: &mut Workspace) -> bool {
+    assemble(model, state, work, false);
+    let unit = stiffness(work);
+    let least = LEAST_SHIFT * unit;
+    let mut shift = (work.search.shift / (GROWTH * GROWTH)).max(least);
+    loop {
+        work.search.shift = shift;
+        work.search.shifted = shift > least;
+        if work.slope.matrix.factorise(shift) && solve(work, shift) {
+            return true;
+        }
+        work.search.concave = true;
+        shift *= GROWTH;
+        if shift > MOST_SHIFT * unit {
+            return false;
+        }
+    }
+}
+
+/// Takes the derivative at the pose; `goes_on` as [`Scenery`] has it.
+pub(super) fn assemble(model: &Model, state: &State, work: &mut Workspace, goes_on: bool) {
+    let Some(setup) = &model.plane else { return };
+    let Workspace { reference, bodies, slope, pose, .. } = work;
+    let carries = &state.carries;
+    slope.assemble(&Scenery { model, setup, reference, bodies, carries, goes_on }, pose);
+    let bounds = state.bounds(model);
+    for (k, drive) in work.drives.iter().enumerate() {
+        let carried = &mut work.search.carried[k];
+        carried.clear();
+        for at in &work.pose.at {
+            let way = boundary::carried(model, &bounds, state.tilt, &drive.shares, *at);
+            carried.extend([way.x, way.y, 0.0]);
+        }
+        let column = &mut work.search.column[k];
+        column.clear();
+        column.resize(carried.len(), 0.0);
+        work.slope.multiply(carried, &work.reference, column);
+        for (side, &share) in drive.shares.iter().enumerate().filter(|(_, share)| **share != 0.0) {
+            column.iter_mut().zip(&work.slope.columns[side]).for_each(|(to, c)| *to += share * c);
+        }
+        // Grains that float go with the walls.
+        for (own, _) in column.chunks_exact_mut(FREEDOMS).zip(&state.carries).filter(|(_, c)| !**c)
+        {
+            own.fill(0.0);
+        }
+    }
+}
+
+/// Solves with the factors at hand for the balance at the pose. Says whether the walls under loads are
+/// held by the pack.
+pub(super) fn solve(work: &mut Workspace, shift: f64) -> bool {
+    let count = work.drives.len();
+    let unbalance = work.unbalance(&work.balance);
+    let Workspace { slope, search, balance, drives, .. } = work;
+    search.newton.clear();
+    search.newton.extend_from_slice(&balance.gradient);
+    slope.matrix.solve(&mut search.newton);
+    let mut stiff = SMatrix::<f64, DRIVES, DRIVES>::identity();
+    let mut load = SVector::<f64, DRIVES>::zeros();
+    for k in 0..count {
+        let response = &mut search.response[k];
+        response.clear();
+        response.extend_from_slice(&search.column[k]);
+        slope.matrix.solve(response);
+    }
+    for k in 0..count {
+        let (x, c) = (&search.carried[k], &search.column[k]);
+        load[k] = -(unbalance[k] + dot(x, &balance.gradient) - dot(c, &search.newton));
+        for l in 0..count {
+            // X·HX + X·C of the drive's own columns is X·C̃; the rest is the walls' own.
+            let own: f64 = (0..SIDES)
+                .map(|side| {
+                    let (a, b) = (drives[k].shares[side], drives[l].shares[side]);
+                    let column = &slope.columns[side];
+                    let cross = if a == 0.0 { 0.0 } else { a * dot(column, &search.carried[l]) };
+                    cross + a * b * slope.corner[side]
+                })
+                .sum();
+            stiff[(k, l)] = dot(x, &search.column[l]) + own - dot(c, &search.response[l]);
+        }
+        stiff[(k, k)] += shift;
+    }
+    let Some(factors) = stiff.cholesky() else { return false };
+    let way = factors.solve(&load);
+    search.way = way.into();
+    search.step.clear();
+    search.step.extend(search.newton.iter().map(|v| -v));
+    for k in 0..count {
+        let response = search.response[k].iter();
+        search.step.iter_mut().zip(response).for_each(|(v, z)| *v -= z * way[k]);
+    }
+    true
+}
+
+/// Goes along the step as far as it goes down. Says whether it went anywhere.
+fn go(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
+    let factor = longest_share(model, state, work);
+    let first = slope_along(work, &work.balance);
+    if first >= 0.0 {
+        // Rounding: nothing is left to gain.
+        return first == 0.0 || largest(&work.balance) <= 1e-6 * unit_force(model, work);
+    }
+    let (mut low, mut high) = (0.0, f64::INFINITY);
+    let (mut low_slope, mut share) = (first, factor);
+    for _ in 0..LOOKS {
+        try_share(model, state, work, share);
+        let slope = slope_along(work, &work.trial_balance);
+        if slope.abs() <= FLAT * first.abs() || (slope < 0.0 && high.is_infinite()) {
+            break;
+        }
+        if slope.is_nan() || slope > 0.0 {
+            high = share;
+        } else {
+            (low, low_slope) = (share, slope);
+        }
+        let wide = high - low;
+        // Where a straight line between both ends would be flat, but not too close to either.
+        let secant = low + wide * low_slope / (low_slope - slope);
+        share = match slope.is_finite() && slope > 0.0 {
+            true => secant.clamp(low + 0.05 * wide, low + 0.95 * wide),
+            false => low + 0.5 * wide,
+        };
+    }
+    std::mem::swap(&mut work.pose, &mut work.trial);
+    state.displacement = work.trial_displacement;
+    true
+}
+
+/// Share of the step that is not too long.
+fn longest_share(model: &Model, state: &State, work: &Workspace) -> f64 {
+    let length = |v: &[f64]| v[0].hypot(v[1]).max(v[2].abs());
+    let step = work.search.step.chunks_exact(FREEDOMS).map(length).fold(0.0, f64::max);
+    let sides = state.bounds(model).sides();
+    let strain = |(drive, way): (&Drive, &f64)| {
+        let along = |side: usize| (drive.shares[side] * way).abs() / sides[wall::axis(side)];
+        (0..SIDES).map(along).fold(0.0, f64::max)
+    };
+    let strain = work.drives.iter().zip(&work.search.way).map(strain).fold(0.0, f64::max);
+    let share = |length: f64, most: f64| if length > most { most / length } else { 1.0 };
+    share(step, LONGEST * model.mean_radius).min(share(strain, LARGEST_STRAIN))
+}
+
+/// Slope of the potential along the step at `balance` \[J\].
+fn slope_along(work: &Workspace, balance: &Balance) -> f64 {
+    let unbalance = work.unbalance(balance);
+    let mut slope = dot(&work.search.step, &balance.gradient);
+    for k in 0..work.drives.len() {
+        let pressed = unbalance[k] + dot(&work.search.carried[k], &balance.gradient);
+        slope += work.search.way[k] * pressed;
+    }
+    slope
+}
+
+/// Takes the balance after `share` of the step into the trial.
+fn try_share(model: &Model, state: &State, work: &mut Workspace, share: f64) {
+    let Some(setup) = &model.plane else { return };
+    let Workspace { pose, trial, search, drives, .. } = work;
+    advance(model, pose, search, share, drives.len(), trial);
+    work.trial_displacement = state.displacement;
+    for (drive, way) in work.drives.iter().zip(&work.search.way) {
+        for (to, part) in work.trial_displacement.iter_mut().zip(drive.shares) {
+            *to += share * way * part;
+        }
+    }
+    boundary::bodies(model, &work.trial_displacement, state.tilt, &mut work.bodies);
+    let Workspace { reference, bodies, trial, trial_balance, .. } = work;
+    let scenery =
+        Scenery { model, setup, reference, bodies, carries: &state.carries, goes_on: false };
+    trial_balance.evaluate(&scenery, trial);
+}
+
+fn advance(model: &Model, from: &Pose, search: &Search, share: f64, drives: usize, to: &mut Pose) {
+    to.copy_from(from);
+    for (i, (at, turn)) in to.at.iter_mut().zip(&mut to.turn).enumerate() {
+        let own = FREEDOMS * i;
+        let mut way = Vec2::new(search.step[own], search.step[own + 1]);
+        for k in 0..drives {
+            let x = &search.carried[k];
+            way += Vec2::new(x[own], x[own + 1]) * search.way[k];
+        }
+        *at += way * share;
+        *turn += share * search.step[own + 2] / model.radius[i];
+    }
+}
+
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Takes a first step from the pose, where the walls have just taken the grains along, as if every
+/// contact went on as in the last increment: what stuck sticks, what slid slides.
+pub(super) fn predict(model: &Model, state: &mut State, work: &mut Workspace) {
+    let Some(setup) = &model.plane else { return };
+    boundary::bodies(model, &state.displacement, state.tilt, &mut work.bodies);
+    let Workspace { reference, bodies, balance, pose, .. } = work;
+    let carries = &state.carries;
+    balance.evaluate(&Scenery { model, setup, reference, bodies, carries, goes_on: true }, pose);
+    assemble(model, state, work, true);
+    let shift = LEAST_SHIFT * stiffness(work);
+    if !work.slope.matrix.factorise(shift) || !solve(work, shift) {
+        return;
+    }
+    let factor = longest_share(model, state, work);
+    try_share(model, state, work, factor);
+    std::mem::swap(&mut work.pose, &mut work.trial);
+    state.displacement = work.trial_displacement;
+}
+
+/// Estimate of the largest error of a wall's normal force \[N\]: what a last step with the factors at
+/// hand would change, and what rounding may.
+pub(super) fn wall_force_error(model: &Model, state: &State, work: &mut Workspace) -> f64 {
+    let sums = work.balance.sums;
+    if sums.contacts == 0 {
+        return 0.0;
+    }
+    let bounds = state.bounds(model);
+    let far =
+        bounds.min[..2].iter().chain(&bounds.max[..2]).fold(0.0_f64, |far, x| far.max(x.abs()));
+    let rounding = stiffness(work) * far * f64::EPSILON * f64::from(sums.contacts).sqrt();
+    let Workspace { slope, search, balance, .. } = work;
+    if !slope.matrix.is_factorised() {
+        return rounding;
+    }
+    search.newton.clear();
+    search.newton.extend_from_slice(&balance.gradient);
+    slope.matrix.solve(&mut search.newton);
+    let change = |column: &Vec<f64>| dot(column, &search.newton).abs();
+    rounding + slope.columns.iter().map(change).fold(0.0, f64::max)
+}

@@ -1,0 +1,166 @@
+//! Scratch of the relaxation in the plane.
+
+use super::balance::{Balance, Pose, Scenery, Slope};
+use super::boundary::{self, Body, SIDES};
+use super::floating::Floating;
+use super::gauss_seidel::Adjacency;
+use super::newton::Search;
+use super::reference::{Joint, Reference};
+use super::{DRIVES, Vec2};
+use crate::contact::hertz;
+use crate::contact::neighbours::Neighbours;
+use crate::heap;
+use crate::model::Model;
+use crate::relax::Effort;
+use crate::relax::jump::Jump;
+use crate::state::State;
+use crate::wall;
+
+/// Walls that carry a load: what moves them, and what they shall carry.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive {
+    /// Inward displacement of each side over that of the drive.
+    pub shares: [f64; SIDES],
+    /// Force along it \[N\].
+    pub force: f64,
+    /// The stress that it goes with, if the load is one \[Pa\].
+    pub stress: Option<f64>,
+}
+
+/// Scratch that may be thrown away at any time.
+#[derive(Clone, Debug, Default)]
+pub struct Workspace {
+    /// What shear counts from.
+    pub reference: Reference,
+    /// Where the grains are.
+    pub pose: Pose,
+    /// The balance there.
+    pub balance: Balance,
+    /// Walls under loads.
+    pub drives: Vec<Drive>,
+    /// Instabilities since the list was last emptied.
+    pub jumps: Vec<Jump>,
+    pub(super) slope: Slope,
+    pub(super) bodies: Vec<Body>,
+    pub(super) trial: Pose,
+    pub(super) trial_balance: Balance,
+    pub(super) trial_displacement: [f64; wall::COUNT],
+    pub(super) search: Search,
+    pub(super) floating: Floating,
+    pub(super) adjacency: Adjacency,
+    /// For the memory that is being written.
+    pub(super) memory: crate::state::Memory,
+    /// Number of the neighbour list that the matrix is arranged for.
+    arranged: u64,
+    positions: Vec<[f64; 2]>,
+}
+
+impl Workspace {
+    /// The work done so far.
+    #[must_use]
+    pub fn effort(&self) -> Effort {
+        Effort {
+            gradients: self.balance.evaluations + self.trial_balance.evaluations,
+            products: self.slope.matrix.factorisations,
+        }
+    }
+
+    /// Memory that its lists hold \[bytes\].
+    #[must_use]
+    pub fn heap_bytes(&self) -> usize {
+        let columns = self.slope.columns.iter().map(heap::bytes).sum::<usize>();
+        heap::bytes(&self.reference.pairs)
+            + heap::bytes(&self.reference.edges)
+            + self.pose.heap_bytes()
+            + self.trial.heap_bytes()
+            + heap::bytes(&self.balance.gradient)
+            + heap::bytes(&self.trial_balance.gradient)
+            + self.slope.matrix.heap_bytes()
+            + columns
+            + self.search.heap_bytes()
+            + self.floating.heap_bytes()
+            + heap::bytes(&self.positions)
+            + heap::bytes(&self.memory.contacts)
+    }
+
+    /// Takes the equilibrium `state` as the reference; a pack as it was `given` may carry more shear
+    /// than the limit.
+    pub fn begin(&mut self, model: &Model, state: &State, near: &mut Neighbours, given: bool) {
+        near.refresh(model, &state.position, &state.bounds(model));
+        boundary::bodies(model, &state.displacement, state.tilt, &mut self.bodies);
+        self.reference.begin(model, state, near, &self.bodies, given);
+        self.pose.at.clear();
+        self.pose.at.extend(state.position.iter().map(|at| Vec2::new(at.x, at.y)));
+        self.pose.turn.clear();
+        self.pose.turn.resize(model.len(), 0.0);
+        self.arrange(near);
+        let mean = hertz::modulus(0.5 * model.mean_radius, 2.0 * model.compliance[0]);
+        self.slope.idle = hertz::stiffness(mean, 1e-2 * model.mean_radius);
+    }
+
+    /// Brings the neighbour list up to date where grains went far, and the joints with it.
+    pub(super) fn refresh(&mut self, model: &Model, state: &mut State, near: &mut Neighbours) {
+        self.put(state);
+        if near.holds(model, &state.position, &state.bounds(model)) {
+            return;
+        }
+        near.rebuild(model, &state.position, &state.bounds(model));
+        let before = std::mem::take(&mut self.reference);
+        self.reference.begin(model, state, near, &self.bodies, false);
+        keep(&before.pairs, &mut self.reference.pairs);
+        keep(&before.edges, &mut self.reference.edges);
+        self.arrange(near);
+    }
+
+    fn arrange(&mut self, near: &Neighbours) {
+        if self.arranged == near.rebuilds && self.slope.matrix.pairs.len() == near.second.len() {
+            return;
+        }
+        self.arranged = near.rebuilds;
+        self.positions.clear();
+        self.positions.extend(self.pose.at.iter().map(|at| [at.x, at.y]));
+        self.slope.matrix.arrange(&self.positions, &near.start, &near.second);
+    }
+
+    /// Takes the balance of the grains and walls of `state` at the pose.
+    pub(super) fn evaluate(&mut self, model: &Model, state: &State) {
+        let Some(setup) = &model.plane else { return };
+        boundary::bodies(model, &state.displacement, state.tilt, &mut self.bodies);
+        let Self { reference, bodies, balance, pose, .. } = self;
+        let carries = &state.carries;
+        balance
+            .evaluate(&Scenery { model, setup, reference, bodies, carries, goes_on: false }, pose);
+    }
+
+    /// Writes the pose into `state`, but for the turns, which count from the reference until the
+    /// increment ends.
+    pub(super) fn put(&self, state: &mut State) {
+        for (to, at) in state.position.iter_mut().zip(&self.pose.at) {
+            (to.x, to.y) = (at.x, at.y);
+        }
+    }
+
+    /// Force on each drive beyond its load \[N\] but for the grains taken along.
+    pub(super) fn unbalance(&self, balance: &Balance) -> [f64; DRIVES] {
+        let mut unbalance = [0.0; DRIVES];
+        for (to, drive) in unbalance.iter_mut().zip(&self.drives) {
+            let pressed = drive.shares.iter().zip(&balance.sides).map(|(s, f)| s * f).sum::<f64>();
+            *to = pressed - drive.force;
+        }
+        unbalance
+    }
+}
+
+/// Gives the joints of a new list what they were at the reference; those that were not listed did not
+/// touch there.
+fn keep(before: &[Joint], now: &mut [Joint]) {
+    let mut old = before.iter().peekable();
+    for joint in now {
+        let key = joint.key();
+        while old.next_if(|old| old.key() < key).is_some() {}
+        match old.next_if(|old| old.key() == key) {
+            Some(old) => *joint = *old,
+            None => joint.held = false,
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! What a scene of spheres or of discs cannot have.
+
+use super::check::{Field, Problems};
+use super::prepare::Step;
+use super::{Axis, Friction, Law, Method, Normal, Rotation, Scene, When};
+
+pub(super) fn check(scene: &Scene, problems: &mut Problems) {
+    let at = Field::root();
+    let mut not = |field: Field, text: &str| problems.add(field, text);
+    if scene.dimension != 2 {
+        if matches!(scene.contact.normal, Normal::Linear(_)) {
+            let text =
+                "linear contacts are those of discs; allowed: hertz, cement, or `dimension: 2`";
+            not(at.key("contact").key("normal"), text);
+        }
+        if scene.contact.rotation == Rotation::Locked {
+            let text = "only discs can be locked; allowed: free, or `dimension: 2`";
+            not(at.key("contact").key("rotation"), text);
+        }
+        if scene.pack.generate.as_ref().is_some_and(|spec| spec.compaction_friction != 0.0) {
+            let text = "spheres are compacted without friction; allowed: 0, or `dimension: 2`";
+            not(at.key("pack").key("generate").key("compaction_friction"), text);
+        }
+        return;
+    }
+    if matches!(scene.contact.normal, Normal::Cement(_)) {
+        not(at.key("contact").key("normal"), "cement is for spheres; allowed: hertz, linear");
+    }
+    if let Friction::Coulomb(coulomb) = &scene.contact.friction
+        && coulomb.law != Law::ReturnMap
+    {
+        let text = "discs slide by radial return; allowed: return_map";
+        not(at.key("contact").key("friction").key("law"), text);
+    }
+    if matches!(scene.solver.method, Method::ConjugateGradient | Method::Dynamic) {
+        let text = format!(
+            "{} is for spheres; allowed in the plane: newton, gauss_seidel",
+            scene.solver.method.name()
+        );
+        not(at.key("solver").key("method"), &text);
+    }
+    if scene.outputs.moduli.takes_tangent() {
+        let text = "tangent moduli are for spheres; allowed in the plane: secant, none";
+        not(at.key("outputs").key("moduli"), text);
+    }
+    if scene.pack.hydrate.is_some() {
+        not(at.key("pack").key("hydrate"), "hydrate is for spheres; allowed: no such key");
+    }
+    if scene.pack.generate.as_ref().is_some_and(|spec| spec.expand_floaters != 0) {
+        let text = "only spheres are expanded; allowed: 0";
+        not(at.key("pack").key("generate").key("expand_floaters"), text);
+    }
+    for (index, step) in scene.pack.prepare.iter().enumerate() {
+        if matches!(step, Step::Uniaxial(step) if step.axis == Axis::Z) {
+            let step = at.key("pack").key("prepare").index(index);
+            not(step.key("uniaxial").key("axis"), "there is no z in the plane; allowed: x, y");
+        }
+    }
+    if scene.gravity[2] != 0.0 {
+        let text = "there is no z in the plane; allowed: 0";
+        not(at.key("gravity").index(2), text);
+    }
+    if scene.outputs.grain_motion == When::Always {
+        let text = "the motion of grains is for spheres; allowed in the plane: never";
+        not(at.key("outputs").key("grain_motion"), text);
+    }
+}
