@@ -61,16 +61,20 @@ pub struct Pack {
 
 impl Pack {
     /// The grains that lie wholly inside `bounds`, which becomes the box (HZ-15), without history.
-    /// None may be left.
+    /// None may be left. Discs, of the dimension 2, keep their depth.
     #[must_use]
-    pub fn cut(&self, bounds: &Bounds) -> Self {
+    pub fn cut(&self, bounds: &Bounds, dimension: u8) -> Self {
         let inside = |grain: &&Grain| {
-            (0..3).all(|axis| {
+            (0..usize::from(dimension)).all(|axis| {
                 grain.position[axis] - grain.radius >= bounds.min[axis]
                     && grain.position[axis] + grain.radius <= bounds.max[axis]
             })
         };
         let grains = self.grains.iter().filter(inside).copied().collect();
-        Self { bounds: *bounds, grains, history: None }
+        let mut bounds = *bounds;
+        if dimension == 2 {
+            (bounds.min[2], bounds.max[2]) = (self.bounds.min[2], self.bounds.max[2]);
+        }
+        Self { bounds, grains, history: None }
     }
 }

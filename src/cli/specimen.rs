@@ -1,5 +1,7 @@
 //! The pack of a scene, and what to say of it.
 
+use std::f64::consts::PI;
+
 use indicatif::MultiProgress;
 
 use graintwin::pack::prepare::{Reached, prepare};
@@ -95,13 +97,18 @@ fn hydrate(pack: &Pack) -> String {
     }
 }
 
-/// Number, size, density and history of a pack.
-pub(super) fn describe(pack: &Pack) -> String {
+/// Number, size, density and history of a pack, of discs where the `dimension` is 2.
+pub(super) fn describe(pack: &Pack, dimension: u8) -> String {
     let radii = pack.grains.iter().map(|grain| grain.radius);
     let (least, most) = radii.clone().fold((f64::INFINITY, 0.0_f64), |(least, most), radius| {
         (least.min(radius), most.max(radius))
     });
-    let solid: f64 = radii.map(|radius| 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3)).sum();
+    let depth = pack.bounds.sides()[2];
+    let solid = |radius: f64| match dimension {
+        2 => PI * radius * radius * depth,
+        _ => 4.0 / 3.0 * PI * radius.powi(3),
+    };
+    let solid: f64 = radii.map(solid).sum();
     let [x, y, z] = pack.bounds.sides().map(|side| significant(side * 1e3, 5));
     format!(
         "grains          {}\nradii           {} to {} mm\nbox             {x} x {y} x {z} mm\n\

@@ -41,7 +41,7 @@ pub fn unprepared(loaded: &Loaded) -> Result<Pack, PackError> {
     if pack.history.is_some() {
         tracing::warn!("pack.cut drops the history of the pack: another specimen begins anew");
     }
-    let specimen = pack.cut(cut);
+    let specimen = pack.cut(cut, loaded.scene.dimension);
     if specimen.grains.is_empty() {
         return Err(PackError::EmptyCut { grains: pack.grains.len() });
     }

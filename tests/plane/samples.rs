@@ -92,6 +92,31 @@ fn a_step_brings_discs_to_another_stress_and_back_to_another_size() {
     assert!((mean / 2e-4 - 1.0).abs() < 0.1, "{mean}");
 }
 
+#[test]
+fn discs_are_stored_and_cut_with_their_depth() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = sand(100, "compaction_friction: 0.6", "");
+    let pack = built(&scene);
+    pack::save(&pack, &folder.path().join("discs.csv")).unwrap();
+    let read = |more: &str| {
+        let yaml =
+            format!("dimension: 2\npack: {{file: discs.csv{more}}}\ncontact: {{friction: {{}}}}");
+        let scene = scene::parse(&yaml, Path::new("scene.yaml")).unwrap();
+        pack::build(&Loaded { scene, file: folder.path().join("scene.yaml") }).unwrap()
+    };
+    let again = read("");
+    assert_eq!((bits(&again), &again.history), (bits(&pack), &pack.history));
+    // Grains that are wider than the box is deep stay too.
+    let sides = pack.bounds.sides();
+    let far = 0.3 * sides[0];
+    let half = read(&format!(", cut: {{min: [-{far}, -{far}, 0], max: [{far}, {far}, 1.0e-9]}}"));
+    assert!((20..60).contains(&half.grains.len()), "{}", half.grains.len());
+    assert_eq!(half.bounds.sides()[2], sides[2]);
+    for grain in &half.grains {
+        assert!(grain.position[0].abs() + grain.radius <= far);
+    }
+}
+
 /// Sandstone of B table 8 before it is cemented: linear contacts of 1 MN/m.
 #[test]
 fn discs_of_linear_contacts_are_made_too() {

@@ -33,7 +33,7 @@ pub(super) fn describe(loaded: &Loaded) -> Result<String, Failure> {
         }
         None => {
             let pack = pack::unprepared(loaded)?;
-            (specimen::describe(&pack), pack.bounds)
+            (specimen::describe(&pack, scene.dimension), pack.bounds)
         }
     };
     let commands = path::commands_of(scene, loaded.folder(), &bounds)?;
