@@ -1,11 +1,8 @@
 //! One load increment of discs: walls to a target, in sub-increments that the pack can follow.
 
-use super::balance::Scenery;
 use super::boundary::{self, SIDES};
-use super::reference::Joint;
 use super::work::{Drive, Workspace};
-use super::{Setup, commit, contacts, crack, gauss_seidel, newton};
-use crate::contact::Other;
+use super::{commit, contacts, crack, gauss_seidel, newton};
 use crate::contact::neighbours::Neighbours;
 use crate::model::Model;
 use crate::relax::Outcome;
@@ -88,6 +85,7 @@ pub fn advance(
         let parts = (way.max(load) * (1.0 - ROUNDING)).ceil().max(1.0);
         let mut share = 1.0 / parts;
         last.copy_from(state);
+        let had = so_far.outcome.sums.energy + ledger(state);
         for attempt in 0.. {
             work.jumps.clear();
             work.begin(model, state, near, false);
@@ -116,9 +114,15 @@ pub fn advance(
         so_far.wall_force_error = newton::wall_force_error(model, state, work);
         near.refresh(model, &state.position, &state.bounds(model));
         let next = contacts::normal_forces(model, state, near);
-        so_far.jumps.append(&mut work.jumps);
+        let worked = state.wall_work;
         add_work(state, &last.displacement, &forces, &next);
         forces = next;
+        if let Some(jump) = work.jumps.last_mut() {
+            // What is neither stored nor lost by slip was lost in the jump.
+            let stored = so_far.outcome.sums.energy + ledger(state);
+            jump.energy_before = jump.energy_after + (state.wall_work - worked) - (stored - had);
+        }
+        so_far.jumps.append(&mut work.jumps);
         if !break_bonds(model, state, work, near, &mut so_far, &mut forces) {
             state.copy_from(&start);
             so_far.jumps.clear();
@@ -168,7 +172,6 @@ fn move_walls(
 
 /// Relaxes until loads, limits of friction and open contacts are what they shall be.
 fn solve(model: &Model, state: &mut State, work: &mut Workspace, near: &mut Neighbours) -> Outcome {
-    let Some(setup) = &model.plane else { return Outcome::NONE };
     let current =
         model.friction.as_ref().is_some_and(|friction| friction.update == Update::Current);
     let mut iterations = 0;
@@ -178,12 +181,12 @@ fn solve(model: &Model, state: &mut State, work: &mut Workspace, near: &mut Neig
         (at.0.x, at.0.y) = (at.1.x, at.1.y);
     }
     let mut concave = false;
-    let mut first: Option<(f64, f64)> = None;
+    let mut virial: Option<f64> = None;
     let mut renewals = 0;
     loop {
-        if first.is_none() {
+        if virial.is_none() {
             work.evaluate(model, state);
-            first = Some((work.balance.potential(), work.balance.sums.virial.iter().sum()));
+            virial = Some(work.balance.sums.virial.iter().sum());
         }
         let mut outcome = match model.solver.method {
             Method::GaussSeidel => gauss_seidel::relax(model, state, work, near),
@@ -195,43 +198,24 @@ fn solve(model: &Model, state: &mut State, work: &mut Workspace, near: &mut Neig
         if !outcome.status.is_equilibrium() {
             return outcome;
         }
-        let opened = open(model, setup, state, work);
+        let opened = newton::open(model, state, work);
         let loaded = renew_loads(model, state, work);
-        let limited = current && renewals < RENEWALS && renew_limits(model, setup, state, work);
+        let limited = current && renewals < RENEWALS && renew_limits(model, state, work);
         renewals += 1;
         if !(opened || loaded || limited) {
-            if concave && let Some(first) = first {
-                work.jumps.extend(jump(model, state, work, before, first));
+            if concave && let Some(virial) = virial {
+                work.jumps.extend(jump(model, state, work, before, virial));
             }
             return outcome;
         }
     }
 }
 
-/// Takes shear from contacts that opened.
-fn open(model: &Model, setup: &Setup, state: &State, work: &mut Workspace) -> bool {
+fn renew_limits(model: &Model, state: &State, work: &mut Workspace) -> bool {
     let mut reference = std::mem::take(&mut work.reference);
-    let any = reference.open(|joint| overlap(model, setup, state, work, joint));
-    work.reference = reference;
-    any
-}
-
-fn renew_limits(model: &Model, setup: &Setup, state: &State, work: &mut Workspace) -> bool {
-    let mut reference = std::mem::take(&mut work.reference);
-    let most = reference.renew(model, |joint| overlap(model, setup, state, work, joint));
+    let most = reference.renew(model, |joint| newton::overlap(model, state, work, joint));
     work.reference = reference;
     most > LIMITS_SETTLED * work.balance.sums.mean_force()
-}
-
-fn overlap(model: &Model, setup: &Setup, state: &State, work: &Workspace, joint: &Joint) -> f64 {
-    let Workspace { reference, bodies, pose, .. } = work;
-    let scenery =
-        Scenery { model, setup, reference, bodies, carries: &state.carries, goes_on: false };
-    let act = match joint.second {
-        Other::Grain(_) => scenery.pair(joint, pose),
-        Other::Wall(_) => scenery.edge(joint, pose),
-    };
-    act.map_or(-f64::INFINITY, |act| act.overlap)
 }
 
 /// Forces of the loads that are stresses follow the areas; says whether any changed.
@@ -248,14 +232,14 @@ fn renew_loads(model: &Model, state: &State, work: &mut Workspace) -> bool {
     changed
 }
 
-/// What the pack did on its way from `before`, where its potential and virial were `first`, to another
-/// minimum; `None` where no grain went further than the mean overlap.
+/// What the pack did on its way from `before`, where its virial was `virial` \[J\], to another minimum;
+/// `None` where no grain went further than the mean overlap.
 fn jump(
     model: &Model,
     state: &mut State,
     work: &Workspace,
     before: Pose,
-    (potential, virial): (f64, f64),
+    virial: f64,
 ) -> Option<Jump> {
     work.put(state);
     let sums = &work.balance.sums;
@@ -270,25 +254,14 @@ fn jump(
     if grains.is_empty() {
         return None;
     }
-    let worked: f64 = work
-        .drives
-        .iter()
-        .map(|drive| {
-            let way = |side: usize| {
-                drive.shares[side] * (state.displacement[side] - before.displacement[side])
-            };
-            let moved: f64 = (0..SIDES).map(way).sum();
-            let shares: f64 = drive.shares.iter().map(|share| share * share).sum();
-            drive.force * moved / shares
-        })
-        .sum();
-    let volume = 3.0 * state.bounds(model).volume();
+    let volume = 2.0 * state.bounds(model).volume();
     let mut after = Pose::default();
     after.copy(state);
     Some(Jump {
         stress_before: virial / volume,
         stress_after: sums.virial.iter().sum::<f64>() / volume,
-        energy_before: potential + worked,
+        // The ledger of the increment tells what was lost.
+        energy_before: work.balance.potential(),
         energy_after: work.balance.potential(),
         grains,
         before,

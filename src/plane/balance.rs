@@ -10,6 +10,9 @@ use crate::heap;
 use crate::model::Model;
 use crate::relax::balance::Sums;
 
+/// Tangent of an angle below which its series is exact.
+const SMALL: f64 = 0.05;
+
 /// Where the grains are.
 #[derive(Clone, Debug, Default)]
 pub struct Pose {
@@ -169,7 +172,15 @@ impl Act {
 /// Angle from `from` to `to` \[rad\].
 #[inline]
 fn angle(from: &Vec2, to: &Vec2) -> f64 {
-    from.perp(to).atan2(from.dot(to))
+    let (across, along) = (from.perp(to), from.dot(to));
+    if across.abs() >= SMALL * along {
+        return across.atan2(along);
+    }
+    // The series of the arc tangent, exact to the last bits here and much faster.
+    let x = across / along;
+    let square = x * x;
+    let rest = 1.0 / 7.0 - square * (1.0 / 9.0 - square * (1.0 / 11.0 - square / 13.0));
+    x * (1.0 - square * (1.0 / 3.0 - square * (1.0 / 5.0 - square * rest)))
 }
 
 /// Energy and gradient at one configuration.
@@ -184,6 +195,11 @@ pub struct Balance {
     pub sums: Sums,
     /// Potential of shear since the reference \[J\].
     pub shear_potential: f64,
+    /// Contacts of each grain that carry more than a faint force, those that hold by a bond twice, shape
+    /// (n).
+    pub support: Vec<u32>,
+    /// Force below which a contact is faint \[N\].
+    pub faint: f64,
     /// How often the balance was taken.
     pub evaluations: u64,
 }
@@ -195,6 +211,8 @@ impl Balance {
         self.evaluations += 1;
         self.gradient.clear();
         self.gradient.resize(FREEDOMS * pose.at.len(), 0.0);
+        self.support.clear();
+        self.support.resize(pose.at.len(), 0);
         self.sides = [0.0; SIDES];
         self.sums = Sums::NONE;
         self.shear_potential = 0.0;
@@ -204,6 +222,9 @@ impl Balance {
             let force = act.force();
             self.add(model, joint.first, -force, -joint.arm[0] * act.shear.force);
             self.add(model, j, force, -joint.arm[1] * act.shear.force);
+            let holds = self.holds(joint, &act);
+            self.support[joint.first as usize] += holds;
+            self.support[j as usize] += holds;
             self.count(&act);
         }
         for joint in &reference.edges {
@@ -212,6 +233,7 @@ impl Balance {
             let body = &bodies[b as usize];
             self.add(model, joint.first, -act.force(), -joint.arm[0] * act.shear.force);
             self.sides[body.side as usize] += Self::pressed(&act, body);
+            self.support[joint.first as usize] += self.holds(joint, &act);
             self.count(&act);
         }
         let gravity = Vec2::new(model.gravity.x, model.gravity.y);
@@ -225,6 +247,10 @@ impl Balance {
         if !setup.turns {
             self.gradient.iter_mut().skip(2).step_by(FREEDOMS).for_each(|turn| *turn = 0.0);
         }
+    }
+
+    fn holds(&self, joint: &Joint, act: &Act) -> u32 {
+        if joint.bonded { 2 } else { u32::from(act.normal.force > self.faint) }
     }
 
     /// What `act` presses the side of `body` with, along its inward displacement \[N\].
@@ -273,13 +299,14 @@ pub struct Slope {
     pub columns: [Vec<f64>; SIDES],
     /// ∂²(potential)/∂(displacement)² of each side \[N/m\].
     pub corner: [f64; SIDES],
-    /// Stiffness of a grain without any, so that it stays where it is \[N/m\].
+    /// Stiffness of what is not solved for, so that it stays where it is \[N/m\].
     pub idle: f64,
 }
 
 impl Slope {
-    /// Takes the derivative at `pose`.
-    pub fn assemble(&mut self, scenery: &Scenery<'_>, pose: &Pose) {
+    /// Takes the derivative at `pose`, or with `convex` what is positive in it contact by contact: no
+    /// contact then pushes its grains aside.
+    pub fn assemble(&mut self, scenery: &Scenery<'_>, pose: &Pose, convex: bool) {
         let Scenery { model, setup, reference, bodies, carries, .. } = scenery;
         self.matrix.clear();
         self.corner = [0.0; SIDES];
@@ -291,7 +318,7 @@ impl Slope {
             let Some(act) = scenery.pair(joint, pose) else { continue };
             let Other::Grain(j) = joint.second else { continue };
             let (i, j) = (joint.first as usize, j as usize);
-            let parts = Parts::of(&act);
+            let parts = Parts::of(&act, convex);
             let lever = [joint.arm[0] / model.radius[i], joint.arm[1] / model.radius[j]];
             let [own, mixed, other] = parts.blocks(lever, setup.turns);
             add(&mut self.matrix.diagonal[i], &own);
@@ -303,7 +330,7 @@ impl Slope {
             let Other::Wall(b) = joint.second else { continue };
             let body = &bodies[b as usize];
             let i = joint.first as usize;
-            let mut parts = Parts::of(&act);
+            let mut parts = Parts::of(&act, convex);
             if joint.is_flat(bodies) {
                 parts.flat();
             }
@@ -317,13 +344,13 @@ impl Slope {
             self.corner[side] += corner;
         }
         for (block, carries) in self.matrix.diagonal.iter_mut().zip(*carries) {
-            let still = if *carries && setup.turns { 0 } else { 2 };
-            for (a, row) in block.iter_mut().enumerate() {
-                // What is not solved for, and what nothing holds, stays.
-                if !carries || a >= still && still > 0 || row[a] == 0.0 {
-                    row[a] += self.idle;
-                }
-            }
+            // What is not solved for stays.
+            let solved = match (*carries, setup.turns) {
+                (false, _) => 0,
+                (true, false) => 2,
+                (true, true) => FREEDOMS,
+            };
+            (solved..FREEDOMS).for_each(|a| block[a][a] += self.idle);
         }
     }
 }
@@ -342,7 +369,7 @@ struct Parts {
 
 impl Parts {
     #[inline]
-    fn of(act: &Act) -> Self {
+    fn of(act: &Act, convex: bool) -> Self {
         let e = act.along;
         let t = left_of(e);
         let shear = act.shear.stiffness;
@@ -351,6 +378,7 @@ impl Parts {
         // ∇²h = -sign t tᵀ/d and ∇²u = -pitch (e tᵀ + t eᵀ)/d.
         let bend = -act.sign * act.normal.force / act.distance;
         let swing = -act.shear.force * act.pitch / act.distance;
+        let (bend, swing) = if convex { (bend.max(0.0), 0.0) } else { (bend, swing) };
         let mut push = [[0.0; 2]; 2];
         for a in 0..2 {
             for b in 0..2 {
@@ -458,7 +486,7 @@ impl Slope {
 /// Block of one grain for one contact; `lever` over the radius is negative for the other grain of a
 /// pair, which sees everything but turns the other way round.
 pub(super) fn own_block(act: &Act, lever: f64, flat: bool, turns: bool) -> Block {
-    let mut parts = Parts::of(act);
+    let mut parts = Parts::of(act, false);
     if flat {
         parts.flat();
     }

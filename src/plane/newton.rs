@@ -8,17 +8,20 @@
 //! H v = -g - C e,    (S - C·H⁻¹C) e = -(Γ - C·H⁻¹g)
 //! ```
 //!
-//! Where H is not positive definite the pack is on its way to another minimum: a shift of the diagonal
-//! then keeps steps downhill (Levenberg), and each is cut to a length that grains cannot jump over each
-//! other with (B 2.4, "truncate").
+//! Where H is not positive definite the pack is on its way to another minimum. Then what is positive in it
+//! takes its place for a few steps: without the parts by which contacts push their grains aside every
+//! step goes downhill. Each is cut to a length with which grains cannot jump over each other (B 2.4,
+//! "truncate").
 
 use nalgebra::{SMatrix, SVector};
 
 use super::balance::{Balance, Pose, Scenery};
 use super::boundary::{self, SIDES};
 use super::matrix::FREEDOMS;
+use super::reference::Joint;
 use super::work::{Drive, Workspace};
 use super::{DRIVES, Vec2, floating};
+use crate::contact::Other;
 use crate::contact::neighbours::Neighbours;
 use crate::heap;
 use crate::model::Model;
@@ -34,6 +37,10 @@ const LARGEST_STRAIN: f64 = 0.01;
 const LEAST_SHIFT: f64 = 1e-7;
 const GROWTH: f64 = 10.0;
 const MOST_SHIFT: f64 = 1e3;
+/// The same for the convex part, over the least; and steps for which it is taken where the whole is not
+/// positive.
+const CONVEX_SHIFT: f64 = 100.0;
+const WAIT: u32 = 3;
 /// Share of the first slope along a step that may be left where it ends.
 const FLAT: f64 = 0.5;
 /// Most configurations that are looked at along one step.
@@ -41,6 +48,8 @@ const LOOKS: u32 = 25;
 /// Steps before a relaxation is given up, where the scene does not say: from grains that hardly touch to a
 /// dense pack without friction takes some hundreds.
 const MOST_STEPS: u32 = 5000;
+/// Residual below which contacts that are open stay open.
+const NEAR: f64 = 1e-5;
 /// Steps without a smaller residual after which rounding is what is left.
 const PATIENCE: u32 = 12;
 
@@ -58,9 +67,9 @@ pub(super) struct Search {
     response: [Vec<f64>; DRIVES],
     /// Way of each drive \[m\].
     way: [f64; DRIVES],
-    /// Shift of the diagonal \[N/m\], and whether it had to be more than the least.
-    shift: f64,
-    shifted: bool,
+    /// Whether the step at hand is that of the convex part, and for how many steps more that is taken.
+    convex: bool,
+    waits: u32,
     /// Whether the pack was met where it is no minimum.
     pub(super) concave: bool,
 }
@@ -113,7 +122,7 @@ pub(super) fn relax(
     let tolerance = model.solver.tolerance;
     let mut outcome = Outcome { status: Status::MaxIterations, ..Outcome::NONE };
     let (mut best, mut worse) = (f64::INFINITY, 0);
-    (work.search.shift, work.search.shifted) = (0.0, false);
+    (work.search.convex, work.search.waits) = (false, 0);
     work.search.concave = false;
     work.floating.begin(model.len());
     work.refresh(model, state, near);
@@ -122,23 +131,11 @@ pub(super) fn relax(
         outcome.iterations = iteration;
         outcome.sums = work.balance.sums;
         outcome.residual = residual(model, work);
-        if std::env::var("PT").is_ok() {
-            eprintln!(
-                "it {iteration} res {:.3e} shift {:.2e} contacts {} carr {} unb {:?} disp {:?} force {:.3e}",
-                outcome.residual,
-                work.search.shift,
-                outcome.sums.contacts,
-                state.carries.iter().filter(|c| **c).count(),
-                &work.unbalance(&work.balance)[..2],
-                &state.displacement[..4],
-                outcome.sums.mean_force()
-            );
-        } // DEBUG
         if !outcome.residual.is_finite() {
             outcome.status = Status::NonFinite;
             return outcome;
         }
-        if outcome.residual <= tolerance && !work.search.shifted {
+        if outcome.residual <= tolerance && !work.search.convex {
             if floating::rejoin(model, state, work) {
                 work.refresh(model, state, near);
                 work.evaluate(model, state);
@@ -160,17 +157,42 @@ pub(super) fn relax(
             }
         }
         let dropped = floating::drop_loose(model, state, work);
-        if floating::rejoin(model, state, work) || dropped {
+        // A grain that nothing but the shear of an open contact pulls at would have no balance.
+        let opened = outcome.residual < NEAR && open(model, state, work);
+        if floating::rejoin(model, state, work) || dropped || opened {
             work.evaluate(model, state);
         }
-        if !step(model, state, work) || !go(model, state, work) {
+        if !step(model, state, work, outcome.residual) || !go(model, state, work) {
             outcome.status = Status::Unstable;
             return outcome;
         }
-        work.refresh(model, state, near);
-        work.evaluate(model, state);
+        if work.refresh(model, state, near) {
+            work.evaluate(model, state);
+        }
     }
     outcome
+}
+
+/// Takes shear from contacts that opened. Says whether there were any.
+pub(super) fn open(model: &Model, state: &State, work: &mut Workspace) -> bool {
+    let mut reference = std::mem::take(&mut work.reference);
+    let any = reference.open(|joint| overlap(model, state, work, joint));
+    work.reference = reference;
+    any
+}
+
+/// Overlap of `joint` at the pose \[m\].
+pub(super) fn overlap(model: &Model, state: &State, work: &Workspace, joint: &Joint) -> f64 {
+    let at = work.pose.at[joint.first as usize];
+    match joint.second {
+        Other::Grain(j) if state.carries[j as usize] && state.carries[joint.first as usize] => {
+            joint.reach - (at - work.pose.at[j as usize]).norm()
+        }
+        Other::Wall(b) if state.carries[joint.first as usize] => {
+            work.bodies[usize::from(b)].near(at, model.radius[joint.first as usize]).overlap
+        }
+        _ => f64::NEG_INFINITY,
+    }
 }
 
 /// Stiffness of a typical contact \[N/m\].
@@ -180,31 +202,37 @@ fn stiffness(work: &Workspace) -> f64 {
 }
 
 /// Finds the step from the pose. Says whether there is one.
-fn step(model: &Model, state: &State, work: &mut Workspace) -> bool {
-    assemble(model, state, work, false);
-    let unit = stiffness(work);
-    let least = LEAST_SHIFT * unit;
-    let mut shift = (work.search.shift / (GROWTH * GROWTH)).max(least);
-    loop {
-        work.search.shift = shift;
-        work.search.shifted = shift > least;
+fn step(model: &Model, state: &State, work: &mut Workspace, residual: f64) -> bool {
+    let shift = LEAST_SHIFT * stiffness(work);
+    if work.search.waits == 0 || residual < NEAR {
+        work.search.convex = false;
+        assemble(model, state, work, false);
         if work.slope.matrix.factorise(shift) && solve(work, shift) {
             return true;
         }
         work.search.concave = true;
-        shift *= GROWTH;
-        if shift > MOST_SHIFT * unit {
-            return false;
-        }
+        work.search.waits = WAIT;
     }
+    work.search.waits -= work.search.waits.min(1);
+    work.search.convex = true;
+    assemble(model, state, work, false);
+    let mut shift = CONVEX_SHIFT * shift;
+    while shift <= MOST_SHIFT * stiffness(work) {
+        if work.slope.matrix.factorise(shift) && solve(work, shift) {
+            return true;
+        }
+        shift *= GROWTH;
+    }
+    false
 }
 
 /// Takes the derivative at the pose; `goes_on` as [`Scenery`] has it.
 pub(super) fn assemble(model: &Model, state: &State, work: &mut Workspace, goes_on: bool) {
     let Some(setup) = &model.plane else { return };
-    let Workspace { reference, bodies, slope, pose, .. } = work;
+    let Workspace { reference, bodies, slope, pose, search, .. } = work;
     let carries = &state.carries;
-    slope.assemble(&Scenery { model, setup, reference, bodies, carries, goes_on }, pose);
+    let convex = search.convex;
+    slope.assemble(&Scenery { model, setup, reference, bodies, carries, goes_on }, pose, convex);
     let bounds = state.bounds(model);
     for (k, drive) in work.drives.iter().enumerate() {
         let carried = &mut work.search.carried[k];
@@ -304,6 +332,7 @@ fn go(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
         };
     }
     std::mem::swap(&mut work.pose, &mut work.trial);
+    std::mem::swap(&mut work.balance, &mut work.trial_balance);
     state.displacement = work.trial_displacement;
     true
 }
@@ -377,6 +406,7 @@ pub(super) fn predict(model: &Model, state: &mut State, work: &mut Workspace) {
     let Workspace { reference, bodies, balance, pose, .. } = work;
     let carries = &state.carries;
     balance.evaluate(&Scenery { model, setup, reference, bodies, carries, goes_on: true }, pose);
+    work.search.convex = false;
     assemble(model, state, work, true);
     let shift = LEAST_SHIFT * stiffness(work);
     if !work.slope.matrix.factorise(shift) || !solve(work, shift) {

@@ -75,6 +75,8 @@ impl Workspace {
             + self.trial.heap_bytes()
             + heap::bytes(&self.balance.gradient)
             + heap::bytes(&self.trial_balance.gradient)
+            + heap::bytes(&self.balance.support)
+            + heap::bytes(&self.trial_balance.support)
             + self.slope.matrix.heap_bytes()
             + columns
             + self.search.heap_bytes()
@@ -98,11 +100,17 @@ impl Workspace {
         self.slope.idle = hertz::stiffness(mean, 1e-2 * model.mean_radius);
     }
 
-    /// Brings the neighbour list up to date where grains went far, and the joints with it.
-    pub(super) fn refresh(&mut self, model: &Model, state: &mut State, near: &mut Neighbours) {
+    /// Brings the neighbour list up to date where grains went far, and the joints with it. Says whether
+    /// it had to.
+    pub(super) fn refresh(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        near: &mut Neighbours,
+    ) -> bool {
         self.put(state);
         if near.holds(model, &state.position, &state.bounds(model)) {
-            return;
+            return false;
         }
         near.rebuild(model, &state.position, &state.bounds(model));
         let before = std::mem::take(&mut self.reference);
@@ -110,6 +118,7 @@ impl Workspace {
         keep(&before.pairs, &mut self.reference.pairs);
         keep(&before.edges, &mut self.reference.edges);
         self.arrange(near);
+        true
     }
 
     fn arrange(&mut self, near: &Neighbours) {
