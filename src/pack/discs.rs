@@ -8,12 +8,13 @@
 //! friction of the test after it, and keep the shear forces that they have.
 
 mod contacts;
+mod frame;
 mod motion;
 mod rest;
 #[cfg(test)]
 mod tests;
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use nalgebra::Vector2;
 use rand::{RngExt, SeedableRng};
@@ -26,6 +27,7 @@ use crate::plane::setup::shear_ratio;
 use crate::scene::{Generate, Linear, Material, Normal, Scene};
 use crate::wall::Bounds;
 use contacts::Law;
+use frame::Frame;
 use motion::{Discs, Goal};
 
 /// Area fraction to which the discs are blown up.
@@ -38,7 +40,7 @@ const LOOSE_FRACTION: f64 = 0.7;
 pub fn make(scene: &Scene, spec: &Generate, material: &Material) -> Result<Pack, CompactError> {
     let mut rng = Pcg64::seed_from_u64(spec.seed);
     let grains = draw(spec, material, scene.contact.friction.coefficient(), &mut rng);
-    let scattered = scatter(grains, spec.aspect, &mut rng);
+    let scattered = scatter(grains, spec.aspect, inner(scene), &mut rng);
     let mut discs = Discs::of(&scattered, scene);
     let (stress, friction) = (spec.confining_stress, spec.compaction_friction);
     discs.grow(&Goal { stress, friction });
@@ -54,18 +56,35 @@ pub fn compact(scene: &Scene, pack: &Pack, stress: f64) -> Result<Pack, CompactE
     rest::compact(scene, pack, Discs::of(pack, scene), Goal { stress, friction: 0.0 })
 }
 
-/// `grains` at random points of a box with the proportions `aspect` in which they have room, around the
-/// origin and as deep as their mean diameter (B 3.1.3).
-fn scatter(mut grains: Vec<Grain>, aspect: [f64; 3], rng: &mut Pcg64) -> Pack {
-    let area: f64 = grains.iter().map(|grain| PI * grain.radius * grain.radius).sum();
-    let scale = (area / LOOSE_FRACTION / (aspect[0] * aspect[1])).sqrt();
-    let radius = grains.iter().map(|grain| grain.radius).sum::<f64>() / grains.len() as f64;
-    let max = [0.5 * aspect[0] * scale, 0.5 * aspect[1] * scale, radius];
+/// `grains` at random points around the origin, where they have room: in a box with the proportions
+/// `aspect`, or around a circle of the radius `inner` \[m\]. It is as deep as their mean diameter
+/// (B 3.1.3).
+fn scatter(mut grains: Vec<Grain>, aspect: [f64; 3], inner: Option<f64>, rng: &mut Pcg64) -> Pack {
+    let solid: f64 = grains.iter().map(|grain| PI * grain.radius * grain.radius).sum();
+    let area = solid / LOOSE_FRACTION;
+    let [x, y] = match inner {
+        None => [0, 1].map(|axis| 0.5 * aspect[axis] * (area / (aspect[0] * aspect[1])).sqrt()),
+        Some(inner) => [(area / PI + inner * inner).sqrt(); 2],
+    };
     for grain in &mut grains {
-        let mut within = |half: f64| (2.0 * rng.random::<f64>() - 1.0) * half;
-        grain.position = [within(max[0]), within(max[1]), 0.0];
+        let [a, b] = [rng.random::<f64>(), rng.random::<f64>()];
+        grain.position = match inner {
+            None => [(2.0 * a - 1.0) * x, (2.0 * b - 1.0) * y, 0.0],
+            Some(inner) => {
+                let far = (inner * inner + a * area / PI).sqrt();
+                let (sin, cos) = (TAU * b).sin_cos();
+                [far * cos, far * sin, 0.0]
+            }
+        };
     }
+    let depth = grains.iter().map(|grain| grain.radius).sum::<f64>() / grains.len() as f64;
+    let max = [x, y, depth];
     Pack { bounds: Bounds { min: max.map(|side| -side), max }, grains, history: None }
+}
+
+/// Radius of the inner wall \[m\], when the walls are two circles.
+fn inner(_scene: &Scene) -> Option<f64> {
+    None
 }
 
 /// The law of the scene, without bonds: grains do not stick together while a pack is made.
@@ -100,7 +119,10 @@ impl Discs {
             at_wall: grains.iter().map(at_wall).collect(),
             law: law(grains, scene),
             grown: 1.0,
-            half: [0.5 * sides[0], 0.5 * sides[1]],
+            frame: match inner(scene) {
+                None => Frame::Box { half: [0.5 * sides[0], 0.5 * sides[1]] },
+                Some(inner) => Frame::Annulus { inner, outer: 0.5 * sides[0] },
+            },
             depth: sides[2],
             pairs: Vec::new(),
         }
@@ -114,8 +136,8 @@ impl Discs {
             grain.position = [x + at.x, y + at.y, 0.0];
         }
         for (axis, center) in [x, y].into_iter().enumerate() {
-            now.bounds.min[axis] = center - self.half[axis];
-            now.bounds.max[axis] = center + self.half[axis];
+            now.bounds.min[axis] = center - self.frame.half()[axis];
+            now.bounds.max[axis] = center + self.frame.half()[axis];
         }
         now.history = (friction > 0.0).then(|| History {
             rotation: vec![[0.0; 3]; self.at.len()],

@@ -79,8 +79,8 @@ pub(super) fn left_of(v: Vector2<f64>) -> Vector2<f64> {
 /// Sums over the contacts.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sums {
-    /// Σ P r along x and y, walls included \[N m\]: the stress over the volume.
-    pub(super) virial: [f64; 2],
+    /// Stress along x and y times the volume \[N m\].
+    pub(super) moment: [f64; 2],
     /// Normal forces \[N\], overlaps \[m\] and contacts.
     force: f64,
     overlap: f64,
@@ -125,9 +125,9 @@ pub(super) fn press(discs: &mut Discs, friction: f64, strain: [f64; 2], time: f6
             let [a, b] = [discs.speed[i], discs.speed[j]];
             let rolled = levers[0] * a[2] + levers[1] * b[2];
             let slid = across.dot(&Vector2::new(a[0] - b[0], a[1] - b[1])) - rolled;
-            let carried = across.x * strain[0] * branch.x + across.y * strain[1] * branch.y;
+            let [at, from] = [i, j].map(|k| discs.frame.carried(discs.at[k], strain));
             let limit = friction * normal;
-            let shear = pair.shear - stiffness * (slid * time + carried);
+            let shear = pair.shear - stiffness * (slid * time + across.dot(&(at - from)));
             pair.shear = shear.clamp(-limit, limit);
         }
         let pull = along * normal + across * pair.shear;
@@ -137,8 +137,10 @@ pub(super) fn press(discs: &mut Discs, friction: f64, strain: [f64; 2], time: f6
             force[1] += sign * pull.y;
             force[2] -= lever * pair.shear;
         }
-        sums.virial[0] += pull.x * branch.x;
-        sums.virial[1] += pull.y * branch.y;
+        if discs.frame.counts_pairs() {
+            sums.moment[0] += pull.x * branch.x;
+            sums.moment[1] += pull.y * branch.y;
+        }
         sums.count(normal, overlap);
     }
     discs.pairs = pairs;
@@ -146,32 +148,27 @@ pub(super) fn press(discs: &mut Discs, friction: f64, strain: [f64; 2], time: f6
     sums
 }
 
-/// Forces of the four smooth walls.
+/// Forces of the smooth walls.
 fn walls(discs: &mut Discs, sums: &mut Sums) {
-    let half = discs.half;
-    for i in 0..discs.at.len() {
-        let radius = discs.radius[i] * discs.grown;
-        for axis in 0..2 {
-            let at = discs.at[i][axis];
-            for sign in [-1.0, 1.0] {
-                let overlap = sign * at + radius - half[axis];
-                if overlap > 0.0 {
-                    let [normal, _] = discs.law.answer(discs.at_wall[i], 0.0, overlap);
-                    discs.force[i][axis] -= sign * normal;
-                    sums.virial[axis] += normal * (radius - overlap);
-                    sums.count(normal, overlap);
-                }
-            }
-        }
+    let Discs { at, radius, grown, frame, law, at_wall, force, .. } = discs;
+    for i in 0..at.len() {
+        frame.each_wall(at[i], radius[i] * *grown, |wall| {
+            let [normal, _] = law.answer(at_wall[i], 0.0, wall.overlap);
+            force[i][0] += normal * wall.inward.x;
+            force[i][1] += normal * wall.inward.y;
+            sums.moment[0] += normal * wall.lever[0];
+            sums.moment[1] += normal * wall.lever[1];
+            sums.count(normal, wall.overlap);
+        });
     }
 }
 
 /// Makes the list of pairs whose gap is below `skin` \[m\] anew; what touched keeps its shear.
 pub(super) fn list(discs: &mut Discs, skin: f64) {
-    let Discs { at, radius, grown, half, compliance, shear_compliance, pairs, .. } = discs;
+    let Discs { at, radius, grown, frame, compliance, shear_compliance, pairs, .. } = discs;
     let largest = radius.iter().fold(0.0, |most: f64, &radius| most.max(radius));
     let reach = 2.0 * largest * *grown + skin;
-    let cells = Cells::new(at, half, reach);
+    let cells = Cells::new(at, frame.half(), reach);
     let before = std::mem::take(pairs);
     let mut old = before.iter().filter(|pair| pair.shear != 0.0).peekable();
     let mut near = Vec::new();
@@ -213,7 +210,7 @@ struct Cells {
 }
 
 impl Cells {
-    fn new(at: &[Vector2<f64>], half: &[f64; 2], reach: f64) -> Self {
+    fn new(at: &[Vector2<f64>], half: [f64; 2], reach: f64) -> Self {
         // No more cells than discs: when they are still small most cells would be empty.
         let most = (at.len() as f64).sqrt().ceil() as usize;
         let numbers = half.map(|half| ((2.0 * half / reach) as usize).clamp(1, most));

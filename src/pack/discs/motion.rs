@@ -6,6 +6,7 @@
 use nalgebra::Vector2;
 
 use super::contacts::{self, Law, Pair, Sums};
+use super::frame::Frame;
 use crate::contact::hertz;
 
 /// Mass of a mean grain over the stiffness of a contact at the stress asked for.
@@ -46,8 +47,7 @@ pub(super) struct Discs {
     pub(super) law: Law,
     /// Present size over that when grown.
     pub(super) grown: f64,
-    /// Half of the sides of the box, which is around the origin \[m\].
-    pub(super) half: [f64; 2],
+    pub(super) frame: Frame,
     /// Depth of the pack \[m\].
     pub(super) depth: f64,
     pub(super) pairs: Vec<Pair>,
@@ -56,7 +56,7 @@ pub(super) struct Discs {
 /// Where a compaction goes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Goal {
-    /// Stress on all sides \[Pa\].
+    /// Stress on the walls that move \[Pa\].
     pub(super) stress: f64,
     /// Largest of shear over normal force.
     pub(super) friction: f64,
@@ -77,7 +77,7 @@ struct Clock {
 }
 
 impl Discs {
-    /// Blows the discs up in the fixed box, from a hundredth of their size.
+    /// Blows the discs up between walls that stand, from a hundredth of their size.
     pub(super) fn grow(&mut self, goal: &Goal) {
         let mut clock = self.clock(goal);
         let (steps, least) = GROWTH;
@@ -91,7 +91,7 @@ impl Discs {
         }
     }
 
-    /// Brings the box and the discs to rest with the stress asked for on all sides, until the root mean
+    /// Brings the walls and the discs to rest with the stress asked for on all walls that move, until the root mean
     /// square of the unbalanced forces over the mean contact force is `residual`; says whether they came
     /// to that.
     pub(super) fn compact(&mut self, goal: &Goal, residual: f64) -> bool {
@@ -100,8 +100,8 @@ impl Discs {
         let pressed = free.min(pressed * clock.overlap / clock.mean_radius);
         for _ in 0..MOST_STEPS {
             let sums = self.press(goal, &mut clock);
-            let volume = 4.0 * self.half[0] * self.half[1] * self.depth;
-            let stress = sums.virial.map(|virial| virial / volume);
+            let volume = self.frame.area() * self.depth;
+            let stress = sums.moment.map(|moment| moment / volume);
             let presses = stress[0] + stress[1] > 2.0 * PRESSED * goal.stress;
             let rate = if presses { pressed } else { free };
             let excess = stress.map(|stress| stress / goal.stress - 1.0);
@@ -148,7 +148,7 @@ impl Discs {
         contacts::press(self, goal.friction, clock.strain, clock.time)
     }
 
-    /// Moves the grains by a step, and the box by `strain`, longer where it is positive.
+    /// Moves the grains by a step, and the walls by `strain`, outwards where it is positive.
     fn go(&mut self, sums: &Sums, strain: [f64; 2], clock: &mut Clock) {
         // The period of a contact goes with the fourth root of the overlap.
         let time = match self.law {
@@ -167,17 +167,13 @@ impl Discs {
                 speed.iter_mut().for_each(|speed| *speed *= fastest / length);
             }
             most = most.max(length.min(fastest));
-            for axis in 0..2 {
-                self.at[i][axis] += self.at[i][axis] * strain[axis] + speed[axis] * time;
-            }
+            let carried = self.frame.carried(self.at[i], strain);
+            self.at[i] += carried + Vector2::new(speed[0], speed[1]) * time;
         }
         let largest = self.radius.iter().fold(0.0, |most: f64, &radius| most.max(radius));
-        let closer = strain.iter().fold(0.0, |most: f64, &strain| most.max(-strain));
         let reach = 2.0 * largest + SKIN * clock.mean_radius;
-        clock.allowance -= 2.0 * most * time + closer * reach;
-        for axis in 0..2 {
-            self.half[axis] *= 1.0 + strain[axis];
-        }
+        clock.allowance -= 2.0 * most * time + self.frame.shortening(strain) * reach;
+        self.frame.strain(strain);
         (clock.time, clock.strain) = (time, strain);
     }
 }

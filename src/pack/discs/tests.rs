@@ -30,7 +30,7 @@ fn spec(grains: usize, seed: u64) -> Generate {
 
 fn scattered(grains: usize, seed: u64) -> Pack {
     let (spec, mut rng) = (spec(grains, seed), Pcg64::seed_from_u64(seed));
-    scatter(draw(&spec, &SAND, 0.6, &mut rng), spec.aspect, &mut rng)
+    scatter(draw(&spec, &SAND, 0.6, &mut rng), spec.aspect, None, &mut rng)
 }
 
 /// Discs that were blown up and compacted, and the pack that they are.
@@ -85,7 +85,7 @@ fn two_discs_press_as_hertz_and_shear_as_mindlin() {
 #[test]
 fn momentum_and_angular_momentum_are_conserved_away_from_walls() {
     let mut discs = Discs::of(&scattered(80, 4), &scene());
-    discs.half = [1.0; 2];
+    discs.frame = Frame::Box { half: [1.0; 2] };
     let mut rng = Pcg64::seed_from_u64(5);
     for speed in &mut discs.speed {
         *speed = std::array::from_fn(|_| 1e-7 * (rng.random::<f64>() - 0.5));
@@ -174,4 +174,40 @@ fn friction_while_compacting_makes_loose_packs_and_none_dense_ones() {
             assert!(pair.shear.abs() <= limit);
         }
     }
+}
+
+/// Normal stress on a circle of radius `at` \[m\], from the overlaps alone.
+fn around(pack: &Pack, at: f64, side: f64) -> f64 {
+    let compliance = (1.0 - 0.16 * 0.16) / SAND.young + (1.0 - 0.495f64.powi(2)) / 7e12;
+    let force = |grain: &Grain| {
+        let far = grain.position[0].hypot(grain.position[1]);
+        let overlap = (grain.radius - side * (at - far)).max(0.0);
+        4.0 / 3.0 * grain.radius.sqrt() / compliance * overlap.powf(1.5)
+    };
+    pack.grains.iter().map(force).sum::<f64>() / (TAU * at * pack.bounds.sides()[2])
+}
+
+/// Smooth grains carry the pressure on like a liquid, but for a few per cent of chance.
+#[test]
+fn discs_between_circles_have_the_stress_on_both() {
+    let (spec, mut rng, inner) = (spec(400, 6), Pcg64::seed_from_u64(6), 7e-4);
+    let grains = draw(&spec, &SAND, 0.6, &mut rng);
+    let pack = scatter(grains, spec.aspect, Some(inner), &mut rng);
+    let outer = pack.bounds.max[0];
+    let mut discs = Discs::of(&pack, &scene());
+    discs.frame = Frame::Annulus { inner, outer };
+    let goal = Goal { stress: 1e5, friction: 0.0 };
+    discs.grow(&goal);
+    assert!(discs.compact(&goal, 1e-3));
+    let pack = discs.pack(&pack, 0.0);
+    let outer = pack.bounds.max[0];
+    assert!((around(&pack, outer, 1.0) / 1e5 - 1.0).abs() < 2e-3);
+    assert!(
+        (around(&pack, inner, -1.0) / 1e5 - 1.0).abs() < 0.15,
+        "{}",
+        around(&pack, inner, -1.0)
+    );
+    let solid: f64 = pack.grains.iter().map(|grain| PI * grain.radius * grain.radius).sum();
+    let fraction = solid / (PI * (outer * outer - inner * inner));
+    assert!((0.80..0.86).contains(&fraction), "{fraction}");
 }
