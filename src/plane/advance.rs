@@ -90,8 +90,11 @@ pub fn advance(
             work.jumps.clear();
             work.begin(model, state, near, false);
             let aim = part_of_the_way(&loads, &goal, share);
+            let ways = move_walls(model, state, work, &target, share);
             set_drives(work, &aim, state, model);
-            move_walls(model, state, work, &target, share);
+            if !work.drives.is_empty() || ways != [0.0; SIDES] {
+                newton::predict(model, state, work);
+            }
             let outcome = solve(model, state, work, near);
             so_far.outcome = outcome;
             so_far.iterations += outcome.iterations;
@@ -144,14 +147,15 @@ fn set_drives(work: &mut Workspace, loads: &[Load], state: &State, model: &Model
     }));
 }
 
-/// Moves the standing walls by `share` of what is left to `target`, the grains affinely with them.
+/// Moves the standing walls by `share` of what is left to `target`, the grains affinely with them; the
+/// ways of the sides \[m\].
 fn move_walls(
     model: &Model,
     state: &mut State,
     work: &mut Workspace,
     target: &[f64; wall::COUNT],
     share: f64,
-) {
+) -> [f64; SIDES] {
     let bounds = state.bounds(model);
     let mut ways = [0.0; SIDES];
     for (w, (now, target)) in state.displacement.iter_mut().zip(target).enumerate() {
@@ -164,10 +168,7 @@ fn move_walls(
     for at in &mut work.pose.at {
         *at += boundary::carried(model, &bounds, state.tilt, &ways, *at);
     }
-    if work.drives.is_empty() && ways == [0.0; SIDES] {
-        return;
-    }
-    newton::predict(model, state, work);
+    ways
 }
 
 /// Relaxes until loads, limits of friction and open contacts are what they shall be.

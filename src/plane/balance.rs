@@ -152,6 +152,34 @@ impl Scenery<'_> {
 }
 
 impl Act {
+    /// Where the contact has turned round since the derivative was taken last, from sliding one way to
+    /// sliding the other, takes its secant: steps would go on passing the narrow range in which it
+    /// sticks. The secant is that of the parabola around where it has no shear, which bounds its energy.
+    #[inline]
+    fn turn(&mut self, joint: &Joint, (way, times): &mut (i8, u8)) {
+        let now = match self.slides {
+            true => {
+                if self.shear.force > 0.0 {
+                    1
+                } else {
+                    -1
+                }
+            }
+            false => 0,
+        };
+        if now * *way < 0 {
+            *times = TURNED;
+        }
+        if now != 0 {
+            *way = now;
+        }
+        if *times > 0 && now != 0 && joint.shear.stiffness > 0.0 {
+            let free = self.slid + joint.shear.carried / joint.shear.stiffness;
+            self.shear.stiffness = self.shear.force / free;
+            *times -= 1;
+        }
+    }
+
     #[inline]
     fn pressing(along: Vec2, distance: f64, sign: f64, overlap: f64, normal: Answer) -> Self {
         let shear = Answer::default();
@@ -299,11 +327,22 @@ pub struct Slope {
     pub columns: [Vec<f64>; SIDES],
     /// ∂²(potential)/∂(displacement)² of each side \[N/m\].
     pub corner: [f64; SIDES],
+    /// Which way each joint slid when the derivative was taken last, pairs and then edges, and for how
+    /// many times more it counts as one that turned round.
+    slides: Vec<(i8, u8)>,
     /// Stiffness of what is not solved for, so that it stays where it is \[N/m\].
     pub idle: f64,
 }
 
+/// Times that a contact is taken by its secant after it turned round.
+const TURNED: u8 = 4;
+
 impl Slope {
+    /// A search begins: no contact has turned round in it.
+    pub(super) fn begin(&mut self) {
+        self.slides.clear();
+    }
+
     /// Takes the derivative at `pose`, or with `convex` what is positive in it contact by contact: no
     /// contact then pushes its grains aside.
     pub fn assemble(&mut self, scenery: &Scenery<'_>, pose: &Pose, convex: bool) {
@@ -314,8 +353,13 @@ impl Slope {
             column.clear();
             column.resize(FREEDOMS * pose.at.len(), 0.0);
         }
-        for (joint, block) in reference.pairs.iter().zip(&mut self.matrix.pairs) {
-            let Some(act) = scenery.pair(joint, pose) else { continue };
+        let mut slides = std::mem::take(&mut self.slides);
+        slides.resize(reference.pairs.len() + reference.edges.len(), (0, 0));
+        let (of_pairs, of_edges) = slides.split_at_mut(reference.pairs.len());
+        let rows = reference.pairs.iter().zip(&mut self.matrix.pairs).zip(of_pairs);
+        for ((joint, block), slides) in rows {
+            let Some(mut act) = scenery.pair(joint, pose) else { continue };
+            act.turn(joint, slides);
             let Other::Grain(j) = joint.second else { continue };
             let (i, j) = (joint.first as usize, j as usize);
             let parts = Parts::of(&act, convex);
@@ -325,8 +369,9 @@ impl Slope {
             add(&mut self.matrix.diagonal[j], &other);
             *block = mixed;
         }
-        for joint in &reference.edges {
-            let Some(act) = scenery.edge(joint, pose) else { continue };
+        for (joint, slides) in reference.edges.iter().zip(of_edges) {
+            let Some(mut act) = scenery.edge(joint, pose) else { continue };
+            act.turn(joint, slides);
             let Other::Wall(b) = joint.second else { continue };
             let body = &bodies[b as usize];
             let i = joint.first as usize;
@@ -343,6 +388,7 @@ impl Slope {
             to.iter_mut().zip(column).for_each(|(to, x)| *to += x);
             self.corner[side] += corner;
         }
+        self.slides = slides;
         for (block, carries) in self.matrix.diagonal.iter_mut().zip(*carries) {
             // What is not solved for stays.
             let solved = match (*carries, setup.turns) {

@@ -125,6 +125,7 @@ pub(super) fn relax(
     (work.search.convex, work.search.waits) = (false, 0);
     work.search.concave = false;
     work.floating.begin(model.len());
+    work.slope.begin();
     work.refresh(model, state, near);
     work.evaluate(model, state);
     for iteration in 0..=model.solver.max_iterations.unwrap_or(MOST_STEPS) {
@@ -167,6 +168,7 @@ pub(super) fn relax(
             return outcome;
         }
         if work.refresh(model, state, near) {
+            work.slope.begin();
             work.evaluate(model, state);
         }
     }

@@ -7,10 +7,10 @@ fn a_biaxial_test() {
     println!("{:?}", report.measures.unwrap().state);
     let t = std::time::Instant::now();
     let height = pack.bounds.sides()[1];
-    for k in 1..=1000 {
+    for k in 1..=std::env::var("N").map_or(1000, |n| n.parse().unwrap()) {
         let m = rig.biaxial(1e5, 0.5 * 4e-5 * f64::from(k) * height);
         let s = m.state.unwrap();
-        if k % 20 == 0 {
+        if k % 50 == 0 {
             println!(
                 "{k} {:?} s1 {:.4e} s3 {:.4e} vol {:.4e} it {} sub res {:.1e} z {:.3} slid {:.3} work {:.4e} st {:.4e} dis {:.4e} ev {:.3e} slip {:.3e} ren {:.2e} jumps {}",
                 t.elapsed(),
