@@ -1,6 +1,5 @@
 //! Bonds between cohesive grains: how they form, and when they break (11-12).
 
-use super::contacts;
 use super::setup::Strength;
 use crate::Vec3;
 use crate::contact::Other;
