@@ -19,7 +19,8 @@ pub use build::{build, from_texts, unprepared};
 pub use csv::{Columns, Constants, PackFile, PackRow, read};
 pub use error::PackError;
 pub use history::{
-    BondMemory, ContactMemory, History, Kept, Layer, history_file, wall_index, wall_of,
+    BondMemory, ContactMemory, History, Kept, Layer, MOST_BODIES, body_of, history_file,
+    wall_index, wall_of,
 };
 pub use save::{Texts, save, texts};
 

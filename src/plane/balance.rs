@@ -3,6 +3,7 @@
 use super::boundary::{Body, SIDES, Shape};
 use super::law::{self, Answer};
 use super::matrix::{Block, FREEDOMS, Matrix};
+use super::membrane::Membrane;
 use super::reference::{Joint, Reference};
 use super::{Setup, Vec2, left_of};
 use crate::contact::Other;
@@ -80,6 +81,8 @@ pub struct Scenery<'a> {
     pub reference: &'a Reference,
     /// What surrounds the grains.
     pub bodies: &'a [Body],
+    /// Membranes around them.
+    pub membranes: &'a [Membrane],
     /// Grains that take part.
     pub carries: &'a [bool],
     /// Whether every contact goes on as in the last increment: those that slid then slide, all others
@@ -137,7 +140,7 @@ impl Scenery<'_> {
                     let station = (pose.at[i] - body.at).dot(&left_of(normal));
                     act.slide(joint, station - joint.station - rolled, 1.0, self.goes_on);
                 }
-                Shape::Disc(_) | Shape::Ring(_) => {
+                Shape::Disc(_) | Shape::Ring(_) | Shape::Nothing => {
                     let way = joint.span * angle(&joint.along, &near.along);
                     let pitch = joint.span / near.distance;
                     act.slide(joint, way - rolled, pitch, self.goes_on);
@@ -184,6 +187,8 @@ pub struct Balance {
     pub sums: Sums,
     /// Potential of shear since the reference \[J\].
     pub shear_potential: f64,
+    /// Potential of the membranes \[J\]; not of what the pack stores.
+    pub pressure_potential: f64,
     /// How often the balance was taken.
     pub evaluations: u64,
 }
@@ -191,13 +196,14 @@ pub struct Balance {
 impl Balance {
     /// Takes the balance of `pose`.
     pub fn evaluate(&mut self, scenery: &Scenery<'_>, pose: &Pose) {
-        let Scenery { model, setup, reference, bodies, carries, .. } = scenery;
+        let Scenery { model, setup, reference, bodies, membranes, carries, .. } = scenery;
         self.evaluations += 1;
         self.gradient.clear();
         self.gradient.resize(FREEDOMS * pose.at.len(), 0.0);
         self.sides = [0.0; SIDES];
         self.sums = Sums::NONE;
         self.shear_potential = 0.0;
+        self.pressure_potential = 0.0;
         for joint in &reference.pairs {
             let Some(act) = scenery.pair(joint, pose) else { continue };
             let Other::Grain(j) = joint.second else { continue };
@@ -213,6 +219,10 @@ impl Balance {
             self.add(model, joint.first, -act.force(), -joint.arm[0] * act.shear.force);
             self.sides[body.side as usize] += Self::pressed(&act, body);
             self.count(&act);
+        }
+        for membrane in *membranes {
+            membrane.add_gradient(pose, &mut self.gradient);
+            self.pressure_potential += membrane.potential(pose);
         }
         let gravity = Vec2::new(model.gravity.x, model.gravity.y);
         if model.has_gravity() {
@@ -257,7 +267,7 @@ impl Balance {
         }
     }
 
-    /// Potential of everything \[J\].
+    /// Potential of the pack \[J\].
     #[must_use]
     pub fn potential(&self) -> f64 {
         self.sums.energy + self.shear_potential
@@ -280,7 +290,7 @@ pub struct Slope {
 impl Slope {
     /// Takes the derivative at `pose`.
     pub fn assemble(&mut self, scenery: &Scenery<'_>, pose: &Pose) {
-        let Scenery { model, setup, reference, bodies, carries, .. } = scenery;
+        let Scenery { model, setup, reference, bodies, membranes, carries, .. } = scenery;
         self.matrix.clear();
         self.corner = [0.0; SIDES];
         for column in &mut self.columns {
@@ -315,6 +325,13 @@ impl Slope {
             let to = &mut self.columns[side][FREEDOMS * i..FREEDOMS * (i + 1)];
             to.iter_mut().zip(column).for_each(|(to, x)| *to += x);
             self.corner[side] += corner;
+        }
+        let Matrix { diagonal, pairs, .. } = &mut self.matrix;
+        let mut links = &mut pairs[reference.pairs.len()..];
+        for membrane in *membranes {
+            let (own, rest) = std::mem::take(&mut links).split_at_mut(membrane.links().count());
+            membrane.add_slope(diagonal, own);
+            links = rest;
         }
         for (block, carries) in self.matrix.diagonal.iter_mut().zip(*carries) {
             // What is not solved for stays.
@@ -434,7 +451,12 @@ fn add(to: &mut Block, block: &Block) {
 
 impl Slope {
     /// Adds the product of the derivative over the grains with `of` to `to`.
-    pub(super) fn multiply(&self, of: &[f64], reference: &Reference, to: &mut [f64]) {
+    pub(super) fn multiply(
+        &self,
+        of: &[f64],
+        (reference, links): (&Reference, &[(u32, u32)]),
+        to: &mut [f64],
+    ) {
         for (i, block) in self.matrix.diagonal.iter().enumerate() {
             for (a, row) in block.iter().enumerate() {
                 for (b, entry) in row.iter().enumerate() {
@@ -442,9 +464,13 @@ impl Slope {
                 }
             }
         }
-        for (joint, block) in reference.pairs.iter().zip(&self.matrix.pairs) {
-            let Other::Grain(j) = joint.second else { continue };
-            let (i, j) = (FREEDOMS * joint.first as usize, FREEDOMS * j as usize);
+        let pairs = reference.pairs.iter().filter_map(|joint| match joint.second {
+            Other::Grain(j) => Some((joint.first, j)),
+            Other::Wall(_) => None,
+        });
+        let links = links.iter().map(|&(i, j)| (i.min(j), i.max(j)));
+        for ((i, j), block) in pairs.chain(links).zip(&self.matrix.pairs) {
+            let (i, j) = (FREEDOMS * i as usize, FREEDOMS * j as usize);
             for (a, row) in block.iter().enumerate() {
                 for (b, entry) in row.iter().enumerate() {
                     to[i + a] += entry * of[j + b];

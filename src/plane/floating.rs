@@ -55,11 +55,15 @@ pub(super) fn drop_loose(model: &Model, state: &mut State, work: &mut Workspace)
     // Without friction two forces balance only face to face.
     let needed = 2;
     loop {
-        let Workspace { reference, bodies, pose, floating, .. } = work;
+        let Workspace { reference, bodies, membranes, pose, floating, .. } = work;
         floating.support.clear();
         floating.support.resize(model.len(), 0);
-        let scenery =
-            Scenery { model, setup, reference, bodies, carries: &state.carries, goes_on: false };
+        let (carries, goes_on) = (&state.carries, false);
+        let scenery = Scenery { model, setup, reference, bodies, membranes, carries, goes_on };
+        // A membrane holds what it presses on.
+        for &grain in membranes.iter().flat_map(|membrane| &membrane.chain) {
+            floating.support[grain as usize] += needed;
+        }
         for joint in &reference.pairs {
             let Some(act) = scenery.pair(joint, pose) else { continue };
             let Other::Grain(j) = joint.second else { continue };

@@ -17,6 +17,7 @@ use nalgebra::{SMatrix, SVector};
 use super::balance::{Balance, Pose, Scenery};
 use super::boundary::{self, SIDES};
 use super::matrix::FREEDOMS;
+use super::membrane::Membrane;
 use super::reference::Joint;
 use super::work::{Drive, Workspace};
 use super::{DRIVES, Vec2, floating};
@@ -93,6 +94,9 @@ pub(super) fn unit_force(model: &Model, work: &Workspace) -> f64 {
         drive.force * 2.0 * model.mean_radius / length
     };
     let loads = work.drives.iter().map(load).fold(0.0, f64::max);
+    let presses =
+        |membrane: &Membrane| membrane.pressure * membrane.depth * 2.0 * model.mean_radius;
+    let loads = work.membranes.iter().map(presses).fold(loads, f64::max);
     sums.mean_force().max(weight).max(loads).max(model.least_force).max(f64::MIN_POSITIVE)
 }
 
@@ -218,9 +222,9 @@ fn step(model: &Model, state: &State, work: &mut Workspace) -> bool {
 /// Takes the derivative at the pose; `goes_on` as [`Scenery`] has it.
 pub(super) fn assemble(model: &Model, state: &State, work: &mut Workspace, goes_on: bool) {
     let Some(setup) = &model.plane else { return };
-    let Workspace { reference, bodies, slope, pose, .. } = work;
+    let Workspace { reference, bodies, membranes, slope, pose, .. } = work;
     let carries = &state.carries;
-    slope.assemble(&Scenery { model, setup, reference, bodies, carries, goes_on }, pose);
+    slope.assemble(&Scenery { model, setup, reference, bodies, membranes, carries, goes_on }, pose);
     let bounds = state.bounds(model);
     for (k, drive) in work.drives.iter().enumerate() {
         let carried = &mut work.search.carried[k];
@@ -232,7 +236,7 @@ pub(super) fn assemble(model: &Model, state: &State, work: &mut Workspace, goes_
         let column = &mut work.search.column[k];
         column.clear();
         column.resize(carried.len(), 0.0);
-        work.slope.multiply(carried, &work.reference, column);
+        work.slope.multiply(carried, (&work.reference, &work.links), column);
         for (side, &share) in drive.shares.iter().enumerate().filter(|(_, share)| **share != 0.0) {
             column.iter_mut().zip(&work.slope.columns[side]).for_each(|(to, c)| *to += share * c);
         }
@@ -361,9 +365,9 @@ fn try_share(model: &Model, state: &State, work: &mut Workspace, share: f64) {
         }
     }
     boundary::bodies(model, &work.trial_displacement, state.tilt, &mut work.bodies);
-    let Workspace { reference, bodies, trial, trial_balance, .. } = work;
-    let scenery =
-        Scenery { model, setup, reference, bodies, carries: &state.carries, goes_on: false };
+    let Workspace { reference, bodies, membranes, trial, trial_balance, .. } = work;
+    let (carries, goes_on) = (&state.carries, false);
+    let scenery = Scenery { model, setup, reference, bodies, membranes, carries, goes_on };
     trial_balance.evaluate(&scenery, trial);
 }
 
@@ -390,9 +394,10 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 pub(super) fn predict(model: &Model, state: &mut State, work: &mut Workspace) {
     let Some(setup) = &model.plane else { return };
     boundary::bodies(model, &state.displacement, state.tilt, &mut work.bodies);
-    let Workspace { reference, bodies, balance, pose, .. } = work;
-    let carries = &state.carries;
-    balance.evaluate(&Scenery { model, setup, reference, bodies, carries, goes_on: true }, pose);
+    let Workspace { reference, bodies, membranes, balance, pose, .. } = work;
+    let (carries, goes_on) = (&state.carries, true);
+    balance
+        .evaluate(&Scenery { model, setup, reference, bodies, membranes, carries, goes_on }, pose);
     assemble(model, state, work, true);
     let shift = LEAST_SHIFT * stiffness(work);
     if !work.slope.matrix.factorise(shift) || !solve(work, shift) {
