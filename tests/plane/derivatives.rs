@@ -39,7 +39,8 @@ impl Bench {
         boundary::bodies(&model, &state.displacement, 0.0, &mut bodies);
         let mut reference = Reference::default();
         reference.begin(&model, &state, &near, &bodies, true);
-        let place = |row: usize| model.order.iter().position(|&g| g as usize == row).unwrap() as u32;
+        let place =
+            |row: usize| model.order.iter().position(|&g| g as usize == row).unwrap() as u32;
         let cell = &model.plane.as_ref().unwrap().cell;
         let membranes = membranes.into_iter().map(|(side, pressure, chain)| {
             let mut membrane = Membrane::new(cell, side, pressure);
@@ -52,7 +53,8 @@ impl Bench {
             };
             let sign = membrane.axes[1].x + membrane.axes[1].y;
             let ends = ends.map(|x| x * sign);
-            membrane.ends = cell.inner.is_none().then(|| [ends[0].min(ends[1]), ends[0].max(ends[1])]);
+            membrane.ends =
+                cell.inner.is_none().then(|| [ends[0].min(ends[1]), ends[0].max(ends[1])]);
             membrane
         });
         let membranes = membranes.collect();

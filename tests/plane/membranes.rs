@@ -108,7 +108,9 @@ fn a_ring_under_a_membrane_shrinks_as_its_contacts_do() {
     let side = around + RADIUS;
     let pack = Pack { bounds: boxed([-side; 2], [side; 2]), grains, history: None };
     let pressure = 2e5;
-    let rest = format!(", open: [x_min], membranes: [x_max], targets: {{x_max: {{stress: {pressure:e}}}}}");
+    let rest = format!(
+        ", open: [x_min], membranes: [x_max], targets: {{x_max: {{stress: {pressure:e}}}}}"
+    );
     let (_, report) = Rig::new(&ring_scene(0.2 * around, &rest, "{normal: hertz}"), &pack);
     assert_eq!(report.disposition, Disposition::Applied, "{}", report.text);
     let measures = report.measures.unwrap();
