@@ -18,6 +18,7 @@ use nalgebra::{SMatrix, SVector};
 use super::balance::{Balance, Pose, Scenery};
 use super::boundary::{self, SIDES};
 use super::matrix::FREEDOMS;
+use super::membrane::Membrane;
 use super::reference::Joint;
 use super::work::{Drive, Workspace};
 use super::{DRIVES, Vec2, floating};
@@ -98,6 +99,9 @@ pub(super) fn unit_force(model: &Model, work: &Workspace) -> f64 {
         drive.force * 2.0 * model.mean_radius / length
     };
     let loads = work.drives.iter().map(load).fold(0.0, f64::max);
+    let presses =
+        |membrane: &Membrane| membrane.pressure * membrane.depth * 2.0 * model.mean_radius;
+    let loads = work.membranes.iter().map(presses).fold(loads, f64::max);
     sums.mean_force().max(weight).max(loads).max(model.least_force).max(f64::MIN_POSITIVE)
 }
 
@@ -249,10 +253,14 @@ pub(super) fn assemble(
     goes_on: bool,
 ) {
     let Some(setup) = &model.plane else { return };
-    let Workspace { reference, bodies, slope, pose, search, .. } = work;
+    let Workspace { reference, bodies, membranes, slope, pose, search, .. } = work;
     let carries = &state.carries;
     let convex = search.convex;
-    slope.assemble(&Scenery { model, setup, reference, bodies, carries, goes_on }, pose, convex);
+    slope.assemble(
+        &Scenery { model, setup, reference, bodies, membranes, carries, goes_on },
+        pose,
+        convex,
+    );
     if work.lacks_pairs() {
         work.couple(near);
     }
@@ -267,7 +275,7 @@ pub(super) fn assemble(
         let column = &mut work.search.column[k];
         column.clear();
         column.resize(carried.len(), 0.0);
-        work.slope.multiply(carried, &work.reference, column);
+        work.slope.multiply(carried, (&work.reference, &work.links), column);
         for (side, &share) in drive.shares.iter().enumerate().filter(|(_, share)| **share != 0.0) {
             column.iter_mut().zip(&work.slope.columns[side]).for_each(|(to, c)| *to += share * c);
         }
@@ -397,9 +405,9 @@ fn try_share(model: &Model, state: &State, work: &mut Workspace, share: f64) {
         }
     }
     boundary::bodies(model, &work.trial_displacement, state.tilt, &mut work.bodies);
-    let Workspace { reference, bodies, trial, trial_balance, .. } = work;
-    let scenery =
-        Scenery { model, setup, reference, bodies, carries: &state.carries, goes_on: false };
+    let Workspace { reference, bodies, membranes, trial, trial_balance, .. } = work;
+    let (carries, goes_on) = (&state.carries, false);
+    let scenery = Scenery { model, setup, reference, bodies, membranes, carries, goes_on };
     trial_balance.evaluate(&scenery, trial);
 }
 
@@ -426,9 +434,10 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 pub(super) fn predict(model: &Model, state: &mut State, work: &mut Workspace, near: &Neighbours) {
     let Some(setup) = &model.plane else { return };
     boundary::bodies(model, &state.displacement, state.tilt, &mut work.bodies);
-    let Workspace { reference, bodies, balance, pose, .. } = work;
-    let carries = &state.carries;
-    balance.evaluate(&Scenery { model, setup, reference, bodies, carries, goes_on: true }, pose);
+    let Workspace { reference, bodies, membranes, balance, pose, .. } = work;
+    let (carries, goes_on) = (&state.carries, true);
+    balance
+        .evaluate(&Scenery { model, setup, reference, bodies, membranes, carries, goes_on }, pose);
     work.search.convex = false;
     assemble(model, state, work, near, true);
     let shift = LEAST_SHIFT * stiffness(work);
