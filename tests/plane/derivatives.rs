@@ -113,8 +113,8 @@ impl Bench {
         }
         let mut slope = Slope::default();
         let positions: Vec<_> = self.pose.at.iter().map(|at| [at.x, at.y]).collect();
-        slope.matrix.arrange(&positions, &self.near.start, &self.near.second, &links);
-        self.with(&self.bodies, |scenery| slope.assemble(scenery, &self.pose));
+        slope.matrix.arrange(&positions, &self.near.start, &self.near.second, |_| true, &links);
+        self.with(&self.bodies, |scenery| slope.assemble(scenery, &self.pose, false));
         let mut dense = DMatrix::<f64>::zeros(n, n);
         for (i, block) in slope.matrix.diagonal.iter().enumerate() {
             for (a, row) in block.iter().enumerate() {
