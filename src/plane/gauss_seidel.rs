@@ -89,7 +89,7 @@ pub(super) fn relax(
             if floating::rejoin(model, state, work) {
                 continue;
             }
-            let none = work.balance.sums.contacts == 0;
+            let none = work.balance.sums.mean_force() <= work.negligible;
             outcome.status = if none { Status::Unjammed } else { Status::Converged };
             return outcome;
         }

@@ -71,6 +71,8 @@ pub(super) struct Search {
     /// Whether the step at hand is that of the convex part, and for how many steps more that is taken.
     convex: bool,
     waits: u32,
+    /// Shift of the last step beside membranes, where it had to be more than the least \[N/m\].
+    shift: f64,
     /// Whether the pack was met where it is no minimum.
     pub(super) concave: bool,
 }
@@ -102,7 +104,8 @@ pub(super) fn unit_force(model: &Model, work: &Workspace) -> f64 {
     let presses =
         |membrane: &Membrane| membrane.pressure * membrane.depth * 2.0 * model.mean_radius;
     let loads = work.membranes.iter().map(presses).fold(loads, f64::max);
-    sums.mean_force().max(weight).max(loads).max(model.least_force).max(f64::MIN_POSITIVE)
+    let least = model.least_force.max(work.negligible);
+    sums.mean_force().max(weight).max(loads).max(least).max(f64::MIN_POSITIVE)
 }
 
 fn heaviest(model: &Model) -> f64 {
@@ -127,7 +130,7 @@ pub(super) fn relax(
     let tolerance = model.solver.tolerance;
     let mut outcome = Outcome { status: Status::MaxIterations, ..Outcome::NONE };
     let (mut best, mut worse) = (f64::INFINITY, 0);
-    (work.search.convex, work.search.waits) = (false, 0);
+    (work.search.convex, work.search.waits, work.search.shift) = (false, 0, 0.0);
     work.search.concave = false;
     work.floating.begin(model.len());
     work.slope.begin();
@@ -148,11 +151,11 @@ pub(super) fn relax(
                 (best, worse) = (f64::INFINITY, 0);
                 continue;
             }
-            let none = work.balance.sums.contacts == 0;
+            let none = work.balance.sums.mean_force() <= work.negligible;
             outcome.status = if none { Status::Unjammed } else { Status::Converged };
             return outcome;
         }
-        if outcome.residual <= tolerance && worse > WAIT {
+        if outcome.residual <= tolerance && worse > PATIENCE {
             // In balance, but on a ridge.
             outcome.status = Status::Unstable;
             return outcome;
@@ -210,7 +213,10 @@ pub(super) fn overlap(model: &Model, state: &State, work: &Workspace, joint: &Jo
 /// Stiffness of a typical contact \[N/m\].
 fn stiffness(work: &Workspace) -> f64 {
     let sums = &work.balance.sums;
-    if sums.overlap > 0.0 { 1.5 * sums.force / sums.overlap } else { work.slope.idle }
+    match sums.mean_force() > work.negligible {
+        true => 1.5 * sums.force / sums.overlap,
+        false => work.slope.idle,
+    }
 }
 
 /// Finds the step from the pose. Says whether there is one.
@@ -221,22 +227,28 @@ fn step(
     near: &Neighbours,
     residual: f64,
 ) -> bool {
-    let shift = LEAST_SHIFT * stiffness(work);
+    let unit = stiffness(work);
+    let least = LEAST_SHIFT * unit;
+    work.search.convex = false;
     if work.search.waits == 0 || residual < NEAR {
-        work.search.convex = false;
         assemble(model, state, work, near, false);
-        if work.slope.matrix.factorise(shift) && solve(work, shift) {
+        if work.slope.matrix.factorise(least) && solve(work, least) {
+            work.search.shift = 0.0;
             return true;
         }
         work.search.concave = true;
         work.search.waits = WAIT;
     }
     work.search.waits -= work.search.waits.min(1);
-    work.search.convex = true;
+    // What membranes do has no convex part: there the whole is shifted until it is positive.
+    work.search.convex = work.membranes.is_empty();
+    let first = if work.search.convex { CONVEX_SHIFT * least } else { GROWTH * least };
+    let mut shift = first.max(work.search.shift / (GROWTH * GROWTH));
     assemble(model, state, work, near, false);
-    let mut shift = CONVEX_SHIFT * shift;
-    while shift <= MOST_SHIFT * stiffness(work) {
+    work.search.convex = true;
+    while shift <= MOST_SHIFT * unit {
         if work.slope.matrix.factorise(shift) && solve(work, shift) {
+            work.search.shift = if work.membranes.is_empty() { 0.0 } else { shift };
             return true;
         }
         shift *= GROWTH;

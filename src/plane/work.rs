@@ -8,7 +8,7 @@ use super::membrane::{self, Membrane};
 use super::newton::Search;
 use super::outline::Finder;
 use super::reference::{Joint, Reference};
-use super::{DRIVES, Vec2};
+use super::{DRIVES, Law, Vec2};
 use crate::contact::neighbours::Neighbours;
 use crate::contact::{Other, hertz};
 use crate::heap;
@@ -61,6 +61,8 @@ pub struct Workspace {
     /// Number of the neighbour list that the matrix is arranged for, and the links of the membranes.
     arranged: u64,
     pub(super) links: Vec<(u32, u32)>,
+    /// Force of a contact that is as good as open \[N\].
+    pub(super) negligible: f64,
     positions: Vec<[f64; 2]>,
     /// Which pairs the matrix is arranged for, in the order of the neighbour list.
     coupled: Vec<bool>,
@@ -113,6 +115,11 @@ impl Workspace {
         self.reference.begin(model, state, near, &self.bodies, given);
         self.arrange(near);
         let mean = hertz::modulus(0.5 * model.mean_radius, 2.0 * model.compliance[0]);
+        self.negligible = match model.plane.as_ref().map(|setup| setup.law) {
+            Some(Law::Hertz) => model.negligible_force(),
+            // Contacts of constant stiffness have no force that positions do not resolve.
+            _ => 0.0,
+        };
         self.slope.idle = hertz::stiffness(mean, 1e-2 * model.mean_radius);
     }
 
