@@ -316,6 +316,11 @@ impl Course {
     ) -> Result<(), PathError> {
         let was_loaded = self.is_loaded();
         for (w, target) in targets.into_iter().enumerate().take(2 * self.axes) {
+            // A membrane that is to stay goes on to press.
+            let stays = target == WallTarget::Displacement(self.displacement[w]);
+            if stays && self.cell.as_ref().is_some_and(|cell| cell.is_membrane(w)) {
+                continue;
+            }
             if target != WallTarget::Keep {
                 self.targets[w] = target;
             }

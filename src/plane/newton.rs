@@ -163,7 +163,8 @@ pub(super) fn relax(
         if outcome.residual < best {
             (best, worse) = (outcome.residual, 0);
         } else {
-            worse += 1;
+            // On the way down from where there is no minimum residuals grow.
+            worse += u32::from(!work.search.shifted);
             // Far from a minimum residuals may rise for long.
             if worse > PATIENCE && best < 1e-6 {
                 outcome.status = Status::Stalled;
