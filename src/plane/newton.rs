@@ -178,6 +178,8 @@ pub(super) fn relax(
         let opened = outcome.residual < NEAR && open(model, state, work);
         if floating::rejoin(model, state, work) || dropped || opened {
             work.evaluate(model, state);
+            // Another balance: the way down begins anew.
+            (best, worse) = (f64::INFINITY, 0);
         }
         if !step(model, state, work, near, outcome.residual) || !go(model, state, work) {
             outcome.status = Status::Unstable;
