@@ -1,7 +1,8 @@
 //! What a scene of spheres or of discs cannot have.
 
 use super::check::{Field, Problems};
-use super::{Friction, Law, Method, Normal, Rotation, Scene, When};
+use super::prepare::Step;
+use super::{Axis, Friction, Law, Method, Normal, Rotation, Scene, When};
 
 pub(super) fn check(scene: &Scene, problems: &mut Problems) {
     let at = Field::root();
@@ -15,6 +16,10 @@ pub(super) fn check(scene: &Scene, problems: &mut Problems) {
         if scene.contact.rotation == Rotation::Locked {
             let text = "only discs can be locked; allowed: free, or `dimension: 2`";
             not(at.key("contact").key("rotation"), text);
+        }
+        if scene.pack.generate.as_ref().is_some_and(|spec| spec.compaction_friction != 0.0) {
+            let text = "spheres are compacted without friction; allowed: 0, or `dimension: 2`";
+            not(at.key("pack").key("generate").key("compaction_friction"), text);
         }
         return;
     }
@@ -40,6 +45,16 @@ pub(super) fn check(scene: &Scene, problems: &mut Problems) {
     }
     if scene.pack.hydrate.is_some() {
         not(at.key("pack").key("hydrate"), "hydrate is for spheres; allowed: no such key");
+    }
+    if scene.pack.generate.as_ref().is_some_and(|spec| spec.expand_floaters != 0) {
+        let text = "only spheres are expanded; allowed: 0";
+        not(at.key("pack").key("generate").key("expand_floaters"), text);
+    }
+    for (index, step) in scene.pack.prepare.iter().enumerate() {
+        if matches!(step, Step::Uniaxial(step) if step.axis == Axis::Z) {
+            let step = at.key("pack").key("prepare").index(index);
+            not(step.key("uniaxial").key("axis"), "there is no z in the plane; allowed: x, y");
+        }
     }
     if scene.gravity[2] != 0.0 {
         let text = "there is no z in the plane; allowed: 0";

@@ -2,7 +2,16 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that fails may panic")]
 
+#[path = "../common/cemented.rs"]
+mod cemented;
+#[path = "../common/packs.rs"]
+mod packs;
+
 mod balance;
 mod biaxial;
 mod crystal;
 mod discs;
+mod gradings;
+mod lattice;
+mod rescale;
+mod samples;

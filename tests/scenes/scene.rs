@@ -671,8 +671,8 @@ fn a_pack_is_made_or_read_and_its_keys_fit() {
     let changed = |from: &str, to: &str| format!("pack: {{{}}}", generate.replace(from, to));
     refused(&[
         ("name: nothing".into(), "1:1: missing field `pack`"),
-        ("pack: {}".into(), "1:7: pack: neither `generate` nor `file` is given"),
-        (with(", file: a.csv"), "1:7: pack: both `generate` and `file`"),
+        ("pack: {}".into(), "1:7: pack: neither `generate` nor `crystal` nor `file` is given"),
+        (with(", file: a.csv"), "1:7: pack: more than one of `generate`, `crystal` and `file`"),
         (with(", material: glass"), "1:108: pack.material: only for a pack that is read"),
         (with(", seed: 3"), "1:104: pack.seed: only for a pack that is read"),
         (

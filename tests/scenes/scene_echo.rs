@@ -5,11 +5,12 @@ use std::path::Path;
 
 use graintwin::scene::{
     self, Axis, Cement, CementLaw, CementStrength, Choice, ColorBy, Compression, Contact, Coulomb,
-    Discovery, Exponential, Fault, Friction, Generate, Hydrate, Isotropic, Joint, JointStates,
-    JointTrajectory, Late, Lateral, Law, Limits, LoadPath, Material, MeasuredWrench, Method,
-    ModuliKind, Moving, Node, Normal, Outputs, PackSource, Parallel, Polyaxial, Power, Radius,
-    Record, Repeat, RigLog, Scene, ServiceMapping, Solution, Solver, Step, StrainUnit, Targets,
-    Triaxial, Uniaxial, Unload, Update, View, WallName, Walls, WallsStep, When, Zero, prepare,
+    Crystal, Discovery, Exponential, Fault, Friction, Generate, Grading, Hydrate, Isotropic, Joint,
+    JointStates, JointTrajectory, Late, Lateral, Law, Limits, LoadPath, Material, MeasuredWrench,
+    Method, ModuliKind, Moving, Node, Normal, Outputs, PackSource, Parallel, Polyaxial, Power,
+    Radius, Record, Repeat, RigLog, Scene, ServiceMapping, Solution, Solver, Step, StrainUnit,
+    Targets, Triaxial, Uniaxial, Unload, Update, View, WallName, Walls, WallsStep, When, Zero,
+    prepare,
 };
 use graintwin::wall::Bounds;
 use graintwin::wall::WallTarget;
@@ -48,13 +49,19 @@ fn radius() -> impl Strategy<Value = Radius> {
     prop_oneof![
         positive().prop_map(Radius::Constant),
         (positive(), 1.0..100.0).prop_map(|(low, ratio)| Radius::Uniform([low, low * ratio])),
+        grading().prop_map(Radius::GradingA),
+        grading().prop_map(Radius::GradingB),
     ]
+}
+
+fn grading() -> impl Strategy<Value = Grading> {
+    (positive(), 1.0..100.0).prop_map(|(mean, ratio)| Grading { mean, ratio })
 }
 
 fn generate() -> impl Strategy<Value = Generate> {
     let sizes = (1..10_000_000_usize, radius(), any::<u64>(), positive());
-    (sizes, prop::array::uniform3(0.01..100.0), 0..1000_u32).prop_map(
-        |((grains, radius, seed, confining_stress), aspect, expand_floaters)| Generate {
+    (sizes, prop::array::uniform3(0.01..100.0), 0..1000_u32, coefficient()).prop_map(
+        |((grains, radius, seed, confining_stress), aspect, expand_floaters, friction)| Generate {
             grains,
             radius,
             material: "glass".into(),
@@ -62,6 +69,7 @@ fn generate() -> impl Strategy<Value = Generate> {
             confining_stress,
             aspect,
             expand_floaters,
+            compaction_friction: friction,
         },
     )
 }
@@ -78,7 +86,13 @@ fn steps() -> impl Strategy<Value = Vec<prepare::Step>> {
         (axis(), moving(), 1e-7..1e-4, end).prop_map(|(axis, moving, strain_increment, end)| {
             prepare::Step::Uniaxial(prepare::Uniaxial { axis, moving, strain_increment, end })
         });
-    prop::collection::vec(prop_oneof![isotropic, uniaxial], 0..3)
+    let rescale = (1e-6..1e6, any::<bool>()).prop_map(|(factor, lengths)| {
+        prepare::Step::Rescale(match lengths {
+            true => prepare::Rescale::Lengths(factor),
+            false => prepare::Rescale::Forces(factor),
+        })
+    });
+    prop::collection::vec(prop_oneof![isotropic, uniaxial, rescale], 0..3)
 }
 
 /// A coefficient of friction.
@@ -128,6 +142,7 @@ fn pack() -> impl Strategy<Value = PackSource> {
     let made = (generate(), option::of(bounds()), steps()).prop_map(|(generate, cut, prepare)| {
         PackSource {
             generate: Some(generate),
+            crystal: None,
             file: None,
             bounds: None,
             material: None,
@@ -140,6 +155,7 @@ fn pack() -> impl Strategy<Value = PackSource> {
     let read = (word(), option::of(bounds()), option::of(bounds()), any::<u64>(), steps())
         .prop_map(|(file, bounds, cut, seed, prepare)| PackSource {
             generate: None,
+            crystal: None,
             file: Some(file.into()),
             bounds,
             material: Some("quartz".into()),
@@ -148,7 +164,24 @@ fn pack() -> impl Strategy<Value = PackSource> {
             seed,
             prepare,
         });
-    prop_oneof![made, read]
+    let crystal = (1..10_000_usize, 1..9_999_usize, positive(), any::<u64>());
+    let laid_out = crystal.prop_map(|(rows, columns, radius, seed)| PackSource {
+        generate: None,
+        crystal: Some(Crystal {
+            rows,
+            columns: [columns, columns + 1],
+            radius,
+            material: "glass".into(),
+        }),
+        file: None,
+        bounds: None,
+        material: None,
+        cut: None,
+        hydrate: None,
+        seed,
+        prepare: Vec::new(),
+    });
+    prop_oneof![made, read, laid_out]
 }
 
 /// Whether a step waits for contacts to slide.
