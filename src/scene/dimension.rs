@@ -2,7 +2,7 @@
 
 use super::check::{Field, Problems};
 use super::prepare::Step;
-use super::{Axis, Friction, Law, Method, Normal, Rotation, Scene, When};
+use super::{Axis, Friction, Law, Normal, Rotation, Scene, When};
 
 pub(super) fn check(scene: &Scene, problems: &mut Problems) {
     let at = Field::root();
@@ -32,7 +32,7 @@ pub(super) fn check(scene: &Scene, problems: &mut Problems) {
         let text = "discs slide by radial return; allowed: return_map";
         not(at.key("contact").key("friction").key("law"), text);
     }
-    if matches!(scene.solver.method, Method::ConjugateGradient | Method::Dynamic) {
+    if !scene.solver.method.relaxes(2) {
         let text = format!(
             "{} is for spheres; allowed in the plane: newton, gauss_seidel",
             scene.solver.method.name()
