@@ -9,9 +9,11 @@ mod packs;
 
 mod balance;
 mod biaxial;
+mod cracking;
 mod crystal;
 mod discs;
 mod gradings;
 mod lattice;
 mod rescale;
 mod samples;
+mod threads;
