@@ -131,3 +131,26 @@ fn discs_of_linear_contacts_are_made_too() {
         assert!((stress[0] / 1e6 - 1.0).abs() < 1e-6, "{stress:?}");
     }
 }
+
+#[test]
+fn what_is_only_for_discs_or_only_for_spheres_is_named() {
+    let with = |dimension: u8, generate: &str, prepare: &str| {
+        let yaml = format!(
+            "dimension: {dimension}\npack: {{generate: {{grains: 9, radius: {{constant: 1.0e-4}}, \
+             material: glass, confining_stress: 1.0e6, {generate}}}, prepare: [{prepare}]}}"
+        );
+        scene::parse(&yaml, Path::new("scene.yaml")).map_err(|error| error.to_string())
+    };
+    let echoed = with(2, "compaction_friction: .inf", "").unwrap();
+    let again = scene::parse(&echoed.to_yaml().unwrap(), Path::new("scene.yaml")).unwrap();
+    assert_eq!(again, echoed);
+    for (dimension, generate, prepare, text) in [
+        (3, "compaction_friction: 0.1", "", "generate.compaction_friction: spheres are compacted"),
+        (2, "compaction_friction: -1", "", "generate.compaction_friction: -1.0 is outside"),
+        (2, "expand_floaters: 1", "", "generate.expand_floaters: only spheres are expanded"),
+        (2, "seed: 1", "uniaxial: {strain: 1e-3}", "prepare[0].uniaxial.axis: there is no z"),
+    ] {
+        let said = with(dimension, generate, prepare).unwrap_err();
+        assert!(said.contains(text), "{said}");
+    }
+}

@@ -8,9 +8,9 @@ use graintwin::scene::{
     Crystal, Discovery, Exponential, Fault, Friction, Generate, Grading, Hydrate, Isotropic, Joint,
     JointStates, JointTrajectory, Late, Lateral, Law, Limits, LoadPath, Material, MeasuredWrench,
     Method, ModuliKind, Moving, Node, Normal, Outputs, PackSource, Parallel, Polyaxial, Power,
-    Radius, Record, Repeat, RigLog, Scene, ServiceMapping, Solution, Solver, Step, StrainUnit,
-    Targets, Triaxial, Uniaxial, Unload, Update, View, WallName, Walls, WallsStep, When, Zero,
-    prepare,
+    Radius, Record, Repeat, RigLog, Rotation, Scene, ServiceMapping, Solution, Solver, Step,
+    StrainUnit, Targets, Triaxial, Uniaxial, Unload, Update, View, WallName, Walls, WallsStep,
+    When, Zero, prepare,
 };
 use graintwin::wall::Bounds;
 use graintwin::wall::WallTarget;
@@ -60,8 +60,8 @@ fn grading() -> impl Strategy<Value = Grading> {
 
 fn generate() -> impl Strategy<Value = Generate> {
     let sizes = (1..10_000_000_usize, radius(), any::<u64>(), positive());
-    (sizes, prop::array::uniform3(0.01..100.0), 0..1000_u32, coefficient()).prop_map(
-        |((grains, radius, seed, confining_stress), aspect, expand_floaters, friction)| Generate {
+    (sizes, prop::array::uniform3(0.01..100.0), 0..1000_u32).prop_map(
+        |((grains, radius, seed, confining_stress), aspect, expand_floaters)| Generate {
             grains,
             radius,
             material: "glass".into(),
@@ -69,7 +69,8 @@ fn generate() -> impl Strategy<Value = Generate> {
             confining_stress,
             aspect,
             expand_floaters,
-            compaction_friction: friction,
+            // Only discs are compacted with friction.
+            compaction_friction: 0.0,
         },
     )
 }
@@ -419,8 +420,9 @@ fn scene() -> impl Strategy<Value = Scene> {
     let walls = (positive(), -0.999..0.499, option::of(coefficient()), targets()).prop_map(
         |(young, poisson, friction, targets)| Walls { young, poisson, friction, targets },
     );
-    let contact = (normal(), friction(), any::<bool>())
-        .prop_map(|(normal, friction, torsion)| Contact { normal, friction, torsion });
+    let contact = (normal(), friction(), any::<bool>()).prop_map(|(normal, friction, torsion)| {
+        Contact { normal, friction, torsion, rotation: Rotation::Free }
+    });
     let laws = (walls, contact, prop::array::uniform3(-1e3..1e3), option::of(bounds()));
     let path = prop::collection::vec(step(), 0..4);
     (word(), materials, laws, pack(), solver(), path, (service(), view())).prop_map(

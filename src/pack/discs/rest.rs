@@ -12,8 +12,9 @@ use crate::wall::WallTarget;
 /// Residuals at which the core takes over, one after the other until it finds an equilibrium.
 const RESIDUALS: [f64; 3] = [1e-3, 1e-4, 1e-5];
 
-/// Most relaxations until nothing moves any more.
+/// Most relaxations until nothing moves any more, and residual over that asked for.
 const MOST_ROUNDS: u32 = 6;
+const TIGHTER: f64 = 0.1;
 
 /// Compacts `discs`, the grains of `pack`, to `goal` and then to the equilibrium of the core; their own
 /// friction is that of `pack`.
@@ -31,7 +32,7 @@ pub(super) fn compact(
         }
         let mut now = discs.pack(pack, goal.friction);
         now.grains.iter_mut().for_each(|grain| grain.friction = goal.friction);
-        match settled(&making, now) {
+        match settled(&making, &now) {
             Ok(mut found) => {
                 for (grain, own) in found.grains.iter_mut().zip(&pack.grains) {
                     grain.friction = own.friction;
@@ -47,21 +48,30 @@ pub(super) fn compact(
 /// `pack` in an equilibrium that a run finds as it is, or what was found instead.
 ///
 /// Shear counts from where the contacts were when a relaxation began: when they have moved on it has
-/// other levers, and so the relaxation begins anew until nothing moves.
-fn settled(making: &Scene, mut pack: Pack) -> Result<Pack, String> {
+/// other levers, and so the relaxation begins anew, with walls that stand, until nothing moves.
+fn settled(making: &Scene, pack: &Pack) -> Result<Pack, String> {
+    let (mut pack, _) = started(making, pack)?;
+    let mut standing = making.clone();
+    standing.walls.targets = Targets::default();
     for _ in 0..MOST_ROUNDS {
-        let twin = Twin::new(making, &pack, rayon::current_num_threads());
-        let mut twin = twin.map_err(|error| error.to_string())?;
-        let report = twin.start(Demand::NONE);
-        if report.disposition != Disposition::Applied {
-            return Err(report.text);
-        }
-        pack = twin.pack();
-        if report.text.is_empty() {
+        let (again, rested) = started(&standing, &pack)?;
+        pack = again;
+        if rested {
             break;
         }
     }
     Ok(pack)
+}
+
+/// `pack` where a twin starts from it, and whether it was that already.
+fn started(scene: &Scene, pack: &Pack) -> Result<(Pack, bool), String> {
+    let twin = Twin::new(scene, pack, rayon::current_num_threads());
+    let mut twin = twin.map_err(|error| error.to_string())?;
+    let report = twin.start(Demand::NONE);
+    match report.disposition {
+        Disposition::Applied => Ok((twin.pack(), report.text.is_empty())),
+        _ => Err(report.text),
+    }
 }
 
 /// `scene` while a pack is made: smooth walls that carry the stress, and grains with the friction of the
@@ -85,6 +95,7 @@ fn making(scene: &Scene, goal: &Goal) -> Scene {
     making.reference = None;
     making.solver.method = Method::Newton;
     making.solver.max_iterations = None;
+    making.solver.tolerance *= TIGHTER;
     making.node = Node::default();
     making
 }
