@@ -1,5 +1,7 @@
 //! What a scene of spheres or of discs cannot have.
 
+mod path;
+
 use super::check::{Field, Problems};
 use super::prepare::Step;
 use super::{Axis, Friction, Law, Normal, Rotation, Scene, When};
@@ -64,4 +66,6 @@ pub(super) fn check(scene: &Scene, problems: &mut Problems) {
         let text = "the motion of grains is for spheres; allowed in the plane: never";
         not(at.key("outputs").key("grain_motion"), text);
     }
+    path::check(&scene.load_path.0, &at.key("load_path"), problems);
+    path::targets(&scene.walls.targets, &at.key("walls").key("targets"), problems);
 }

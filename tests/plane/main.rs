@@ -14,6 +14,7 @@ mod crystal;
 mod discs;
 mod gradings;
 mod lattice;
+mod no_z;
 mod rescale;
 mod samples;
 mod threads;
