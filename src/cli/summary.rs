@@ -54,6 +54,9 @@ pub(super) struct Summary {
     /// Whether the scene has friction.
     #[serde(skip)]
     frictional: bool,
+    /// Axes that the pack has walls along.
+    #[serde(skip)]
+    axes: usize,
     /// The node, when there was one.
     #[cfg(feature = "ros")]
     node: Option<graintwin::node::Summary>,
@@ -137,6 +140,7 @@ impl Summary {
             worst_residual: 0.0,
             solve_seconds: 0.0,
             frictional: loaded.scene.contact.friction != Friction::None,
+            axes: usize::from(loaded.scene.dimension),
             #[cfg(feature = "ros")]
             node: None,
             #[cfg(feature = "ros")]
