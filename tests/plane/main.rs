@@ -6,3 +6,4 @@ mod balance;
 mod biaxial;
 mod crystal;
 mod discs;
+mod outputs;

@@ -15,7 +15,10 @@ pub(super) fn cracks(run: &Run, strain: &Strain) -> Vec<Chart> {
     match run.cement.places.iter().all(Vec::is_empty) {
         true => Vec::new(),
         false => {
-            vec![intact(run, strain), broken(run, strain), places(run, [0, 2]), places(run, [1, 2])]
+            let mut charts = vec![intact(run, strain), broken(run, strain)];
+            let planes: &[[usize; 2]] = if run.is_plane() { &[[0, 1]] } else { &[[0, 2], [1, 2]] };
+            charts.extend(planes.iter().map(|&axes| places(run, axes)));
+            charts
         }
     }
 }
