@@ -17,7 +17,7 @@ use graintwin::msg::{
     Bonds, BoundaryCommand, Circumstance, Clock, ContactNetwork, Cracks, Described,
     DiagnosticArray, DiagnosticStatus, Discrepancy, Dissociation, Duration, Event, Fabric,
     GrainMotion, Header, Hydrate, JointState, JointTrajectory, JointTrajectoryPoint, KeyValue,
-    Moduli, PackState, Quaternion, Rearrangement, Report, Snapshot, TFMessage, Tangent,
+    Moduli, PackState, PlaneState, Quaternion, Rearrangement, Report, Snapshot, TFMessage, Tangent,
     TangentModuli, Time, Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench,
     WrenchStamped, topics,
 };
