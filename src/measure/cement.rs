@@ -39,11 +39,13 @@ pub fn bonds(model: &Model, state: &State) -> Option<Bonds> {
     Some(bonds)
 }
 
-/// The bonds of `state` by what became of them, and `cracks`, those of its increment; `None` in a
-/// scene without cement.
+/// The bonds of `state` by what became of them, and `cracks`, those of its increment; `None`
+/// without cement and without bonds.
 #[must_use]
 pub fn cracks(model: &Model, state: &State, cracks: &[breakage::Crack]) -> Option<Cracks> {
-    model.cement.as_ref()?;
+    if model.cement.is_none() && state.bonds.is_empty() {
+        return None;
+    }
     let count = |wanted: Condition| {
         state.bonds.iter().filter(|bond| bond.condition == wanted).count() as u32
     };

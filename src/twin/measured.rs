@@ -206,7 +206,8 @@ impl Twin {
     fn plane_state(&self, contacts: &Contacts) -> Option<PlaneState> {
         let Self { model, state, past, .. } = self;
         model.plane.as_ref()?;
-        let before = past.as_ref().map(Past::before);
+        // No increment ends at the start.
+        let before = past.as_ref().filter(|_| self.increment > 0).map(Past::before);
         Some(measure::plane::state(model, state, contacts, before))
     }
 
