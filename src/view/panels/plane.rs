@@ -160,17 +160,16 @@ pub(super) fn mohr(run: &Run) -> Chart {
     Chart { title: "Mohr circles of the interior".into(), ..mohr::chart(&materials) }
 }
 
-/// The roses of the first and of the last state.
+/// The roses of the first and of the last state, side by side.
 pub(super) fn roses(run: &Run) -> Vec<Chart> {
-    let increments = ends(run).into_iter();
-    increments
-        .flat_map(|state| {
-            rose_of(state).map(|chart| Chart {
-                title: format!("{}, increment {}", chart.title, state.increment),
-                ..chart
-            })
+    let of = |state: &&PlaneState| {
+        rose_of(state).map(|chart| Chart {
+            title: format!("{}, increment {}", chart.title, state.increment),
+            ..chart
         })
-        .collect()
+    };
+    let ends: Vec<[Chart; 3]> = ends(run).iter().map(of).collect();
+    (0..3).flat_map(|which| ends.iter().map(move |charts| charts[which].clone())).collect()
 }
 
 fn rose_of(state: &PlaneState) -> [Chart; 3] {

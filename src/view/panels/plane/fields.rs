@@ -218,3 +218,50 @@ fn ranked(values: impl Iterator<Item = f64>) -> f64 {
     let place = (RANK * values.len() as f64) as usize;
     values.get(place.min(values.len().saturating_sub(1))).copied().unwrap_or(0.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::msg::PlaneState;
+
+    /// Two grains that pull at each other with a broken bond to a third, drawn ten times as large.
+    fn run() -> Run {
+        let disc = |x: f64, y: f64, turn: f64| Disc { at: [x, y], radius: 5.0, turn };
+        let picture = |increment: u64, way: f64, turn: f64| Picture {
+            network: ContactNetwork {
+                increment,
+                first: vec![0, 0],
+                second: vec![1, 2],
+                normal: vec![-1.0, 0.0, 0.0, 0.0, -1.0, 0.0],
+                normal_force: vec![-2.0, 0.0],
+                tangential_force: vec![0.0; 6],
+                overlap: vec![0.0; 2],
+                state: vec![ContactState::Bonded as u8, ContactState::Broken as u8],
+                ..ContactNetwork::default()
+            },
+            grains: vec![disc(0.0, 0.0, turn), disc(10.0, way, 0.0), disc(0.0, 10.0, 0.0)],
+        };
+        let mut run = Run::default();
+        run.plane.states = vec![PlaneState { mean_diameter: 1.0, ..PlaneState::default() }];
+        run.plane.pictures = Some([picture(0, 0.0, 0.0), picture(3, 0.0, -0.5)]);
+        run
+    }
+
+    fn series<'a>(chart: &'a Chart, name: &str) -> &'a [[f64; 2]] {
+        let named = |series: &&Series| series.name == name && series.stroke != OUTLINE;
+        chart.series.iter().find(named).map_or(&[], |series| &series.points)
+    }
+
+    #[test]
+    fn tension_is_grey_cracks_lie_across_and_pointers_turn_with_the_grains() {
+        let charts = charts(&run());
+        assert_eq!(charts.len(), 4);
+        assert_eq!(series(&charts[0], "pulled")[..2], [[0.0, 0.0], [1.0, 0.0]]);
+        assert!(series(&charts[0], "pressed").is_empty());
+        // Only the first grain turned, a quarter to the right as drawn.
+        let [from, tip] = [0, 1].map(|at| series(&charts[2], "to the right")[at]);
+        assert_eq!(from, [0.0, 0.0]);
+        assert!((tip[0] - 0.5).abs() < 1e-12 && tip[1].abs() < 1e-12, "{tip:?}");
+        assert_eq!(series(&charts[3], "")[..2], [[-0.5, 0.5], [0.5, 0.5]]);
+    }
+}
