@@ -35,7 +35,7 @@ pub fn state(
     let mut bodies = Vec::new();
     boundary::bodies(model, &state.displacement, state.tilt, &mut bodies);
     let whole = whole(model, state, &bodies);
-    let margin = 2.0 * model.radius.iter().copied().fold(0.0, f64::max);
+    let margin = 2.0 * model.max_radius;
     let interior = inset(whole, margin);
     let depth = state.bounds(model).sides()[2];
     let counted: Vec<Contact> = contacts.counted().copied().collect();

@@ -83,7 +83,7 @@ fn legend(svg: &mut Svg, chart: &Chart, [left, top]: [f64; 2], room: f64) -> f64
         let middle = at[1] - 4.0;
         match series.stroke.pattern {
             Pattern::Solid | Pattern::Bare => {
-                svg.polyline(&[[at[0], middle], [at[0] + SAMPLE, middle]])
+                svg.polyline(&[[at[0], middle], [at[0] + SAMPLE, middle]]);
             }
             Pattern::Dashed => svg.dashed(&[[at[0], middle], [at[0] + SAMPLE, middle]]),
             Pattern::Dots => svg.dot([at[0] + 0.5 * SAMPLE, middle], dot_radius(series)),

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use super::strain::Strain;
 use crate::analytic::fit::biaxial::Test;
 use crate::analytic::tensor::Tensor;
-use crate::msg::PlaneState;
+use crate::msg::{PackState, PlaneState};
 use crate::view::biaxial::{self, Drawn};
 use crate::view::chart::{Chart, Pattern, Series};
 use crate::view::mohr::{self, Failures};
@@ -19,22 +19,19 @@ use crate::view::unit::Unit;
 /// Axial strain over which the dilatancy is taken.
 const STRETCH: f64 = 0.005;
 
-/// The lateral stress of a biaxial test stays within this share of what it was at the start.
+/// The lateral stress of a biaxial test stays within this share of what it is at the end.
 const STEADY: f64 = 0.05;
 
-/// Stress ratio and area against the strain along y, with the bilinear material fitted to them; none
-/// where the stress along x does not stay.
+/// Stress ratio and area against the strain along y, with the bilinear material fitted to them; from
+/// where on the stress along x stays.
 pub(super) fn biaxial(run: &Run) -> Vec<Chart> {
-    let states: Vec<_> = run.states.iter().filter(|_| !run.plane.states.is_empty()).collect();
-    let series = |value: fn(&crate::msg::PackState) -> f64| -> Vec<f64> {
-        states.iter().map(|state| value(state)).collect()
-    };
+    let states = steady(run);
+    let series = |value: fn(&PackState) -> f64| -> Vec<f64> { states.iter().map(value).collect() };
     let minor = series(|state| state.stress_walls[0]);
     let axial_strain = series(|state| state.strain[1]);
-    let steady = minor.iter().all(|stress| (stress - minor[0]).abs() <= STEADY * minor[0]);
     let strained =
         axial_strain.iter().any(|strain| strain - axial_strain[0] > super::strain::LEAST);
-    if !steady || !strained {
+    if !strained {
         return Vec::new();
     }
     let area_strain =
@@ -61,6 +58,15 @@ pub(super) fn biaxial(run: &Run) -> Vec<Chart> {
         None => charts.iter_mut().for_each(|chart| chart.notes.clear()),
     }
     charts
+}
+
+/// The states of discs from which on the stress along x stays what it is at the end.
+fn steady(run: &Run) -> &[PackState] {
+    let lateral = |state: &PackState| state.stress_walls[0];
+    let end = run.states.last().filter(|_| run.is_plane()).map_or(f64::NAN, lateral);
+    let stays = |state: &PackState| (lateral(state) - end).abs() <= STEADY * end;
+    let count = run.states.iter().rev().take_while(|state| stays(state)).count();
+    &run.states[run.states.len() - count..]
 }
 
 fn line(
