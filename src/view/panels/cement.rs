@@ -63,10 +63,11 @@ fn places(run: &Run, axes: [usize; 2]) -> Chart {
         series
     };
     let [x, y] = axes.map(|axis| ["x", "y", "z"][axis]);
+    let axis = if run.is_plane() { Axis::plane } else { Axis::linear };
     Chart {
         title: format!("Where bonds broke, in {x} and {y}"),
-        x: Axis::linear(x, Unit::Si("m")),
-        y: Axis::linear(y, Unit::Si("m")),
+        x: axis(x, Unit::Si("m")),
+        y: axis(y, Unit::Si("m")),
         series: MODES.into_iter().enumerate().map(dots).collect(),
         notes: vec!["Projections of the centres of the contacts, as they were then.".into()],
     }
