@@ -71,7 +71,6 @@ fn pack() -> Pack {
         density,
         friction,
         hydrate: false,
-        plane: false,
     };
     let half = [0.9995e-3, 0.9995e-3, 2.998e-3];
     let bounds = Bounds { min: half.map(|half| -half), max: half };
