@@ -39,13 +39,11 @@ pub fn bonds(model: &Model, state: &State) -> Option<Bonds> {
     Some(bonds)
 }
 
-/// The bonds of `state` by what became of them, and `cracks`, those of its increment; `None`
-/// without cement and without bonds.
+/// The bonds of `state` by what became of them, and `cracks`, those of its increment; `None` in a
+/// scene without cement.
 #[must_use]
 pub fn cracks(model: &Model, state: &State, cracks: &[breakage::Crack]) -> Option<Cracks> {
-    if model.cement.is_none() && state.bonds.is_empty() {
-        return None;
-    }
+    model.cement.as_ref()?;
     let count = |wanted: Condition| {
         state.bonds.iter().filter(|bond| bond.condition == wanted).count() as u32
     };
