@@ -12,8 +12,8 @@ use graintwin::command::Disposition;
 use graintwin::measure::coordination::Histograms;
 use graintwin::pack::prepare::Reached;
 use graintwin::report::{
-    Demand, Event, EventKind, Fabric, Hydrate, Localisation, Measures, Moduli, PackState, Tangent,
-    WallForces,
+    Demand, Event, EventKind, Fabric, Hydrate, Localisation, Measures, Moduli, PackState,
+    PlaneState, Tangent, WallForces,
 };
 use graintwin::scene::{Friction, Loaded, Outputs, When};
 use graintwin::sink::{Served, Sink};
@@ -95,6 +95,9 @@ struct Moment {
     /// When the pack has hydrate.
     #[serde(skip_serializing_if = "Option::is_none")]
     hydrate: Option<Hydrate>,
+    /// Of discs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    plane: Option<PlaneState>,
 }
 
 /// The bonds at the end, and what broke in this run.
@@ -242,6 +245,7 @@ impl Summary {
             moduli: measures.moduli,
             tangent: measures.tangent,
             hydrate: measures.hydrate,
+            plane: measures.plane.clone(),
         };
         self.increments = measures.increment;
         let increment = measures.increment;
@@ -263,7 +267,8 @@ impl Summary {
 
 impl Sink for &mut Summary {
     fn demand(&self) -> Demand {
-        Demand { state: true, moduli: true, tangent: true, hydrate: true, ..Demand::NONE }
+        let (state, moduli, tangent) = (true, true, true);
+        Demand { state, moduli, tangent, hydrate: true, plane: true, ..Demand::NONE }
     }
 
     fn served(&mut self, served: &Arc<Served>) {

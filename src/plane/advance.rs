@@ -139,7 +139,7 @@ pub fn advance(
         }
         if so_far.cracks.len() > cracks && !goal.is_empty() {
             // The loads that the walls lost are asked for anew.
-            loads = present(&goal, &forces, &state.bounds(model));
+            loads = loads::present(model, &goal, &forces, state);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use graintwin::report::{Hydrate, Moduli, Tangent};
+use graintwin::report::{Hydrate, Moduli, PlaneState, Tangent};
 use graintwin::wall;
 
 use super::{Moment, Summary};
@@ -175,6 +175,18 @@ fn rows(start: &Moment, end: &Moment, axes: usize, frictional: bool) -> Vec<Row>
         add("effective stress", "MPa", |hydrate| hydrate.effective_stress * 1e-6);
         add("total stress", "MPa", |hydrate| hydrate.total_stress * 1e-6);
         add("pores and hydrate", "", |hydrate| hydrate.pore_fraction);
+    }
+    if end.plane.is_some() {
+        let mut add = |name, unit, of: fn(&PlaneState) -> f64| {
+            let known = |moment: &Moment| moment.plane.as_ref().map(of);
+            rows.push((name, unit, known(start), known(end)));
+        };
+        add("sigma1 of the interior", "MPa", |plane| plane.principal_stress[0] * 1e-6);
+        add("sigma3 of the interior", "MPa", |plane| plane.principal_stress[1] * 1e-6);
+        add("contacts per grain", "", |plane| plane.contacts_per_grain);
+        add("contacts per volume", "", |plane| plane.contact_density);
+        add("share of broken bonds", "", |plane| plane.share_broken);
+        add("mean rotation", "rad", |plane| plane.mean_rotation);
     }
     if end.tangent.is_none() {
         return rows;
