@@ -26,6 +26,8 @@ pub struct State {
     pub carries: Vec<bool>,
     /// Inward displacement of the walls since the start \[m\].
     pub displacement: [f64; wall::COUNT],
+    /// The side that each disc sticks to, shape (n); empty where nothing is glued.
+    pub glued: Vec<Option<u8>>,
     /// Shear γ by which a pack of discs and its side walls lean; 0 for spheres.
     pub tilt: f64,
     /// Energies of the contacts' shear and torsion.
@@ -148,6 +150,7 @@ impl State {
             bonds: Vec::new(),
             carries: vec![true; model.len()],
             displacement: [0.0; wall::COUNT],
+            glued: Vec::new(),
             tilt: 0.0,
             friction: Ledger::default(),
             wall_work: 0.0,
@@ -263,6 +266,7 @@ impl State {
             + heap::bytes(&self.rotation)
             + heap::bytes(&self.carries)
             + heap::bytes(&self.bonds)
+            + heap::bytes(&self.glued)
             + self.memory.heap_bytes()
     }
 
@@ -289,6 +293,7 @@ impl State {
         if self.tilt != 0.0 {
             numbers(&[self.tilt], take);
         }
+        self.glued.iter().for_each(|side| take(&[side.map_or(u8::MAX, |side| side)]));
         if self.dissociated != Dissociated::default() {
             let Dissociated { lost, pressure, borne, work } = self.dissociated;
             numbers(&[lost, pressure, borne, work], take);
@@ -309,6 +314,7 @@ impl State {
         self.bonds.clone_from(&other.bonds);
         self.carries.copy_from_slice(&other.carries);
         self.displacement = other.displacement;
+        self.glued.clone_from(&other.glued);
         self.tilt = other.tilt;
         self.friction = other.friction;
         self.wall_work = other.wall_work;

@@ -11,8 +11,8 @@ use super::topics::{self, Topic};
 use super::{
     Bonds, BoundaryCommand, Circumstance, ContactNetwork, Cracks, Described, DiagnosticArray,
     Discrepancy, Dissociation, Event, Fabric, GrainMotion, Hydrate, JointState, JointTrajectory,
-    MarkerArray, MessageType, Moduli, PackState, PointCloud2, Report, TFMessage, Tangent,
-    WallForces, WallTargets, WrenchStamped,
+    MarkerArray, MessageType, Moduli, PackState, PointCloud2, Report, ShearCommand, TFMessage,
+    Tangent, WallForces, WallTargets, WrenchStamped,
 };
 use crate::command::Stamp;
 use crate::report::Measures;
@@ -57,6 +57,7 @@ pub fn each<E>(
         Some(CommandMessage::Boundary(message)) => give(&topics::BOUNDARY_COMMAND, &message)?,
         Some(CommandMessage::Targets(message)) => give(&topics::WALL_TARGETS, &message)?,
         Some(CommandMessage::Dissociation(message)) => give(&topics::DISSOCIATION, &message)?,
+        Some(CommandMessage::Shear(message)) => give(&topics::SHEAR_COMMAND, &message)?,
         None => {}
     }
     if let Some(measures) = &served.report.measures {
@@ -190,6 +191,7 @@ outgoing!(header of BoundaryCommand, WallTargets, Circumstance, Report, WallForc
     JointState, JointTrajectory, PackState, Moduli, ContactNetwork, GrainMotion, Event, Discrepancy, Fabric, Tangent,
     DiagnosticArray, PointCloud2);
 outgoing!(header of Rearrangement, Snapshot, Dissociation, Hydrate, Bonds, Cracks);
+outgoing!(header of ShearCommand);
 outgoing!(Log: |message| message.stamp.into(), ParameterEvent: |message| message.stamp.into());
 outgoing!(TFMessage: |message| {
     message.transforms.first().map(|first| first.header.stamp.into()).unwrap_or_default()

@@ -7,6 +7,7 @@ mod grain_motion;
 mod fabric;
 
 mod hydrate;
+mod shear;
 
 mod tangent;
 
@@ -23,6 +24,8 @@ pub use tangent::{Tangent, TangentModuli};
 pub use fabric::Fabric;
 
 pub use hydrate::{Dissociation, Hydrate};
+
+pub use shear::ShearCommand;
 
 /// Where the walls shall be.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -270,6 +273,7 @@ message!(
     &[Header::TYPE],
     "0ff1686f2a4432051f58531579a1719a100d2b16b1ed2cec5e1eddc1fddc1087"
 );
+message!(ShearCommand, &[Header::TYPE], "0");
 message!(
     Hydrate,
     &[Header::TYPE],

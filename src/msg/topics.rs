@@ -6,8 +6,8 @@ use super::schema::{Described, MessageType};
 use super::{
     Bonds, BoundaryCommand, Circumstance, ContactNetwork, Cracks, DiagnosticArray, Discrepancy,
     Dissociation, Event, Fabric, GrainMotion, Hydrate, JointState, JointTrajectory, MarkerArray,
-    Moduli, PackState, PointCloud2, Report, TFMessage, Tangent, WallForces, WallTargets,
-    WrenchStamped,
+    Moduli, PackState, PointCloud2, Report, ShearCommand, TFMessage, Tangent, WallForces,
+    WallTargets, WrenchStamped,
 };
 use crate::wall;
 
@@ -106,6 +106,8 @@ pub static BOUNDARY_COMMAND: Topic = Topic::new("boundary_command", BoundaryComm
 pub static WALL_TARGETS: Topic = Topic::new("wall_targets", WallTargets::TYPE, 20_000);
 /// In: [`Dissociation`].
 pub static DISSOCIATION: Topic = Topic::new("dissociation", Dissociation::TYPE, 20_000);
+/// In: [`ShearCommand`].
+pub static SHEAR_COMMAND: Topic = Topic::new("shear_command", ShearCommand::TYPE, 20_000);
 /// In, when the scene maps joints: [`JointState`]. Recorded as it came, and as the [`WallTargets`] it
 /// becomes.
 pub static JOINT_STATES: Topic = Topic::new("joint_states", JointState::TYPE, 256);
@@ -209,7 +211,7 @@ pub fn measures() -> impl Iterator<Item = &'static Topic> {
 
 /// The topics of the commands.
 pub fn commands() -> impl Iterator<Item = &'static Topic> {
-    [&BOUNDARY_COMMAND, &WALL_TARGETS, &DISSOCIATION].into_iter()
+    [&BOUNDARY_COMMAND, &WALL_TARGETS, &DISSOCIATION, &SHEAR_COMMAND].into_iter()
 }
 
 /// Every topic that can be recorded, commands first.

@@ -14,8 +14,8 @@ use super::{NodeError, clock, mapping};
 use crate::msg::{
     Bonds, BoundaryCommand, Clock, ContactNetwork, Cracks, DiagnosticArray, Discrepancy,
     Dissociation, Event, Fabric, GrainMotion, Hydrate, JointState, JointTrajectory, MarkerArray,
-    Moduli, PackState, PointCloud2, Rearrangement, Report, TFMessage, Tangent, Topic, WallForces,
-    WallTargets, WrenchStamped, topics,
+    Moduli, PackState, PointCloud2, Rearrangement, Report, ShearCommand, TFMessage, Tangent, Topic,
+    WallForces, WallTargets, WrenchStamped, topics,
 };
 use crate::{scene, wall};
 
@@ -73,6 +73,7 @@ pub(super) struct Sources {
     pub commands: Subscription<BoundaryCommand>,
     pub targets: Subscription<WallTargets>,
     pub dissociations: Subscription<Dissociation>,
+    pub shears: Subscription<ShearCommand>,
     /// When the scene maps joints.
     pub joint_states: Option<Subscription<JointState>>,
     /// When the scene maps joints.
@@ -95,6 +96,7 @@ impl Endpoints {
                 commands: subscribe(&mut node, identity, &topics::BOUNDARY_COMMAND)?,
                 targets: subscribe(&mut node, identity, &topics::WALL_TARGETS)?,
                 dissociations: subscribe(&mut node, identity, &topics::DISSOCIATION)?,
+                shears: subscribe(&mut node, identity, &topics::SHEAR_COMMAND)?,
                 joint_states: match options.joint_states {
                     Some(_) => Some(subscribe(&mut node, identity, &topics::JOINT_STATES)?),
                     None => None,

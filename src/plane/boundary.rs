@@ -20,6 +20,19 @@ pub struct Body {
     pub slide: Vec2,
     /// What the overlap of a grain gains over the inward displacement of the side while `at` stays.
     pub growth: f64,
+    /// How it follows the tilt of the box.
+    pub swing: Swing,
+}
+
+/// How a body follows the tilt γ of the box.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Swing {
+    /// Way of `at` over γ \[m\].
+    pub way: Vec2,
+    /// How far it is turned at γ, to the left \[rad\].
+    pub turn: f64,
+    /// Derivative of that over γ.
+    pub rate: f64,
 }
 
 /// Shape of a body.
@@ -90,16 +103,29 @@ pub fn bodies(model: &Model, displacement: &[f64; wall::COUNT], tilt: f64, bodie
     for side in 0..SIDES {
         let inward = wall::inward(side);
         let position = bounds.position(side);
-        let (at, normal, slide) = match wall::axis(side) {
-            0 => (Vec2::new(position, start.y), lean * inward, Vec2::new(inward, 0.0)),
+        let (at, normal, slide, swing) = match wall::axis(side) {
+            0 => {
+                let at = Vec2::new(position, start.y);
+                let rate = -1.0 / (1.0 + tilt * tilt);
+                let swing = Swing { way: Vec2::zeros(), turn: -tilt.atan(), rate };
+                (at, lean * inward, Vec2::new(inward, 0.0), swing)
+            }
             _ => {
-                let at = Vec2::new(start.x + tilt * (position - start.y), position);
-                (at, Vec2::new(0.0, inward), Vec2::new(tilt, 1.0) * inward)
+                let above = position - start.y;
+                let at = Vec2::new(start.x + tilt * above, position);
+                let swing = Swing { way: Vec2::new(above, 0.0), ..Swing::default() };
+                (at, Vec2::new(0.0, inward), Vec2::new(tilt, 1.0) * inward, swing)
             }
         };
         let shape = Shape::Plane(normal);
-        bodies.push(Body { side: side as u8, at, shape, slide, growth: 0.0 });
+        bodies.push(Body { side: side as u8, at, shape, slide, growth: 0.0, swing });
     }
+}
+
+/// Where a grain at `at` goes when the tilt grows by `more`.
+#[must_use]
+pub fn sheared(model: &Model, more: f64, at: Vec2) -> Vec2 {
+    Vec2::new(more * (at.y - middle(&model.start).y), 0.0)
 }
 
 /// Middle of a box \[m\].

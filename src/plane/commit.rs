@@ -23,8 +23,15 @@ pub(super) fn commit(model: &Model, state: &mut State, work: &mut Workspace) -> 
     let mut ledger = Ledger { stored: 0.0, ..state.friction };
     let mut had = 0.0;
     {
-        let scenery =
-            Scenery { model, setup, reference, bodies, carries: &state.carries, goes_on: false };
+        let scenery = Scenery {
+            model,
+            setup,
+            reference,
+            bodies,
+            carries: &state.carries,
+            glued: &state.glued,
+            goes_on: false,
+        };
         let pairs = reference.pairs.iter().map(|joint| (joint, scenery.pair(joint, pose)));
         let edges = reference.edges.iter().map(|joint| (joint, scenery.edge(joint, pose)));
         for (joint, act) in pairs.chain(edges) {

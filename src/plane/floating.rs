@@ -1,10 +1,10 @@
 //! Grains that cannot carry load: they are kept where they are and left out of the balance, until what
 //! moves around them leaves them no room.
 
-use super::Vec2;
 use super::balance::{Pose, Scenery};
 use super::reference::Joint;
 use super::work::Workspace;
+use super::{Vec2, glue};
 use crate::contact::Other;
 use crate::model::Model;
 use crate::state::State;
@@ -58,8 +58,15 @@ pub(super) fn drop_loose(model: &Model, state: &mut State, work: &mut Workspace)
         let Workspace { reference, bodies, pose, floating, .. } = work;
         floating.support.clear();
         floating.support.resize(model.len(), 0);
-        let scenery =
-            Scenery { model, setup, reference, bodies, carries: &state.carries, goes_on: false };
+        let scenery = Scenery {
+            model,
+            setup,
+            reference,
+            bodies,
+            carries: &state.carries,
+            glued: &state.glued,
+            goes_on: false,
+        };
         for joint in &reference.pairs {
             let Some(act) = scenery.pair(joint, pose) else { continue };
             let Other::Grain(j) = joint.second else { continue };
@@ -75,7 +82,8 @@ pub(super) fn drop_loose(model: &Model, state: &mut State, work: &mut Workspace)
         }
         let mut more = false;
         for i in 0..model.len() {
-            if state.carries[i] && !floating.back[i] && floating.support[i] < needed {
+            let free = !floating.back[i] && glue::side(&state.glued, i).is_none();
+            if state.carries[i] && free && floating.support[i] < needed {
                 state.carries[i] = false;
                 more = true;
             }

@@ -122,6 +122,7 @@ fn sweep(model: &Model, state: &State, work: &mut Workspace, adjacency: &Adjacen
                 reference,
                 bodies,
                 carries: &state.carries,
+                glued: &state.glued,
                 goes_on: false,
             };
             for &k in adjacency.row(i) {
@@ -173,8 +174,15 @@ fn yield_to_loads(model: &Model, state: &mut State, work: &mut Workspace) {
     }
     let Some(setup) = &model.plane else { return };
     let Workspace { reference, bodies, pose, balance, drives, .. } = work;
-    let scenery =
-        Scenery { model, setup, reference, bodies, carries: &state.carries, goes_on: false };
+    let scenery = Scenery {
+        model,
+        setup,
+        reference,
+        bodies,
+        carries: &state.carries,
+        glued: &state.glued,
+        goes_on: false,
+    };
     let mut pressed = [0.0; SIDES];
     let mut stiffness = [0.0; SIDES];
     for joint in &reference.edges {

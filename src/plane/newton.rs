@@ -19,7 +19,7 @@ use super::boundary::{self, SIDES};
 use super::matrix::FREEDOMS;
 use super::reference::Joint;
 use super::work::{Drive, Workspace};
-use super::{DRIVES, Vec2, floating};
+use super::{DRIVES, Vec2, floating, glue};
 use crate::contact::Other;
 use crate::contact::neighbours::Neighbours;
 use crate::heap;
@@ -204,7 +204,7 @@ fn step(model: &Model, state: &State, work: &mut Workspace) -> bool {
     loop {
         work.search.shift = shift;
         work.search.shifted = shift > least;
-        if work.slope.matrix.factorise(shift) && solve(work, shift) {
+        if work.slope.matrix.factorise(shift) && solve(state, work, shift) {
             return true;
         }
         work.search.concave = true;
@@ -220,13 +220,19 @@ pub(super) fn assemble(model: &Model, state: &State, work: &mut Workspace, goes_
     let Some(setup) = &model.plane else { return };
     let Workspace { reference, bodies, slope, pose, .. } = work;
     let carries = &state.carries;
-    slope.assemble(&Scenery { model, setup, reference, bodies, carries, goes_on }, pose);
+    slope.assemble(
+        &Scenery { model, setup, reference, bodies, carries, glued: &state.glued, goes_on },
+        pose,
+    );
     let bounds = state.bounds(model);
     for (k, drive) in work.drives.iter().enumerate() {
         let carried = &mut work.search.carried[k];
         carried.clear();
-        for at in &work.pose.at {
-            let way = boundary::carried(model, &bounds, state.tilt, &drive.shares, *at);
+        for (i, at) in work.pose.at.iter().enumerate() {
+            let way = match glue::side(&state.glued, i).map(usize::from) {
+                Some(side) => work.bodies[side].slide * drive.shares[side],
+                None => boundary::carried(model, &bounds, state.tilt, &drive.shares, *at),
+            };
             carried.extend([way.x, way.y, 0.0]);
         }
         let column = &mut work.search.column[k];
@@ -242,24 +248,28 @@ pub(super) fn assemble(model: &Model, state: &State, work: &mut Workspace, goes_
             own.fill(0.0);
         }
     }
+    glue::stiffen(&state.glued, &mut work.slope);
 }
 
 /// Solves with the factors at hand for the balance at the pose. Says whether the walls under loads are
 /// held by the pack.
-pub(super) fn solve(work: &mut Workspace, shift: f64) -> bool {
+pub(super) fn solve(state: &State, work: &mut Workspace, shift: f64) -> bool {
     let count = work.drives.len();
     let unbalance = work.unbalance(&work.balance);
     let Workspace { slope, search, balance, drives, .. } = work;
     search.newton.clear();
     search.newton.extend_from_slice(&balance.gradient);
     slope.matrix.solve(&mut search.newton);
+    glue::clear(&state.glued, &mut search.newton);
     let mut stiff = SMatrix::<f64, DRIVES, DRIVES>::identity();
     let mut load = SVector::<f64, DRIVES>::zeros();
     for k in 0..count {
         let response = &mut search.response[k];
         response.clear();
         response.extend_from_slice(&search.column[k]);
+        glue::clear(&state.glued, response);
         slope.matrix.solve(response);
+        glue::clear(&state.glued, response);
     }
     for k in 0..count {
         let (x, c) = (&search.carried[k], &search.column[k]);
@@ -362,8 +372,15 @@ fn try_share(model: &Model, state: &State, work: &mut Workspace, share: f64) {
     }
     boundary::bodies(model, &work.trial_displacement, state.tilt, &mut work.bodies);
     let Workspace { reference, bodies, trial, trial_balance, .. } = work;
-    let scenery =
-        Scenery { model, setup, reference, bodies, carries: &state.carries, goes_on: false };
+    let scenery = Scenery {
+        model,
+        setup,
+        reference,
+        bodies,
+        carries: &state.carries,
+        glued: &state.glued,
+        goes_on: false,
+    };
     trial_balance.evaluate(&scenery, trial);
 }
 
@@ -392,10 +409,13 @@ pub(super) fn predict(model: &Model, state: &mut State, work: &mut Workspace) {
     boundary::bodies(model, &state.displacement, state.tilt, &mut work.bodies);
     let Workspace { reference, bodies, balance, pose, .. } = work;
     let carries = &state.carries;
-    balance.evaluate(&Scenery { model, setup, reference, bodies, carries, goes_on: true }, pose);
+    balance.evaluate(
+        &Scenery { model, setup, reference, bodies, carries, glued: &state.glued, goes_on: true },
+        pose,
+    );
     assemble(model, state, work, true);
     let shift = LEAST_SHIFT * stiffness(work);
-    if !work.slope.matrix.factorise(shift) || !solve(work, shift) {
+    if !work.slope.matrix.factorise(shift) || !solve(state, work, shift) {
         return;
     }
     let factor = longest_share(model, state, work);
@@ -422,6 +442,8 @@ pub(super) fn wall_force_error(model: &Model, state: &State, work: &mut Workspac
     search.newton.clear();
     search.newton.extend_from_slice(&balance.gradient);
     slope.matrix.solve(&mut search.newton);
+    glue::clear(&state.glued, &mut search.newton);
+    glue::add_columns(state, &work.bodies, &work.reference, slope);
     let change = |column: &Vec<f64>| dot(column, &search.newton).abs();
     rounding + slope.columns.iter().map(change).fold(0.0, f64::max)
 }

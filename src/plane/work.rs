@@ -14,7 +14,7 @@ use crate::model::Model;
 use crate::relax::Effort;
 use crate::relax::jump::Jump;
 use crate::state::State;
-use crate::wall;
+use crate::wall::{self, Load};
 
 /// Walls that carry a load: what moves them, and what they shall carry.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,8 +23,8 @@ pub struct Drive {
     pub shares: [f64; SIDES],
     /// Force along it \[N\].
     pub force: f64,
-    /// The stress that it goes with, if the load is one \[Pa\].
-    pub stress: Option<f64>,
+    /// The load that makes that force, with the areas and the tilt of the box.
+    pub load: Load,
 }
 
 /// Scratch that may be thrown away at any time.
@@ -128,8 +128,18 @@ impl Workspace {
         boundary::bodies(model, &state.displacement, state.tilt, &mut self.bodies);
         let Self { reference, bodies, balance, pose, .. } = self;
         let carries = &state.carries;
-        balance
-            .evaluate(&Scenery { model, setup, reference, bodies, carries, goes_on: false }, pose);
+        balance.evaluate(
+            &Scenery {
+                model,
+                setup,
+                reference,
+                bodies,
+                carries,
+                glued: &state.glued,
+                goes_on: false,
+            },
+            pose,
+        );
     }
 
     /// Writes the pose into `state`, but for the turns, which count from the reference until the

@@ -16,7 +16,17 @@ pub(super) fn check(scene: &Scene, problems: &mut Problems) {
             let text = "only discs can be locked; allowed: free, or `dimension: 2`";
             not(at.key("contact").key("rotation"), text);
         }
+        if scene.walls.glue {
+            not(
+                at.key("walls").key("glue"),
+                "only discs are glued; allowed: false, or `dimension: 2`",
+            );
+        }
         return;
+    }
+    if scene.walls.glue && scene.solver.method == Method::GaussSeidel {
+        let text = "gauss_seidel moves grains one by one; allowed with walls.glue: newton";
+        not(at.key("solver").key("method"), text);
     }
     if matches!(scene.contact.normal, Normal::Cement(_)) {
         not(at.key("contact").key("normal"), "cement is for spheres; allowed: hertz, linear");

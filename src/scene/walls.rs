@@ -17,6 +17,9 @@ pub struct Walls {
     /// `contact.friction`. Without friction in `contact` the walls are smooth too.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<f64>,
+    /// Whether discs that touch a wall when the run begins stick to it: they move and turn with it.
+    #[serde(skip_serializing_if = "is_false")]
+    pub glue: bool,
     /// What the walls do from the initial equilibrium on; those that are not named stand where the
     /// pack has them.
     #[serde(skip_serializing_if = "Targets::is_empty")]
@@ -25,8 +28,19 @@ pub struct Walls {
 
 impl Default for Walls {
     fn default() -> Self {
-        Self { young: 7.0e12, poisson: 0.495, friction: None, targets: Targets::default() }
+        Self {
+            young: 7.0e12,
+            poisson: 0.495,
+            friction: None,
+            glue: false,
+            targets: Targets::default(),
+        }
     }
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands out references")]
+fn is_false(flag: &bool) -> bool {
+    !flag
 }
 
 impl Walls {

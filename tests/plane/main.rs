@@ -5,3 +5,4 @@
 mod balance;
 mod biaxial;
 mod discs;
+mod shear;
