@@ -18,6 +18,7 @@ pub mod motion;
 pub mod network;
 pub mod porosity;
 pub mod rearrangement;
+pub mod shear;
 pub mod stress;
 pub mod sudden;
 pub mod tangent;

@@ -26,12 +26,12 @@ pub mod topics;
 pub mod transforms;
 
 pub use diagnostics::{DiagnosticArray, DiagnosticStatus, KeyValue};
-pub use graintwin::ShearCommand;
 pub use graintwin::{
     Bonds, BoundaryCommand, Circumstance, ContactNetwork, Cracks, Discrepancy, Event, Fabric,
     GrainMotion, Moduli, PackState, Report, Tangent, TangentModuli, WallForces, WallTargets,
 };
 pub use graintwin::{Dissociation, Hydrate};
+pub use graintwin::{ShearCommand, ShearState};
 pub use picture::{Marker, MarkerArray, PointCloud2};
 pub use rearrangement::{Rearrangement, Snapshot};
 pub use schema::{Described, MessageType};

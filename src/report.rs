@@ -10,6 +10,8 @@ mod hydrate;
 
 mod rearrangement;
 
+mod shear;
+
 mod tangent;
 
 use serde::Serialize;
@@ -20,6 +22,8 @@ pub use cement::{BondCondition, Bonds, Crack, Cracks};
 pub use motion::{Band, GrainMotion, Localisation};
 
 pub use hydrate::Hydrate;
+
+pub use shear::Shear;
 
 pub use fabric::{AngularForm, ByAngle, Chains, Directions, Fabric};
 
@@ -45,6 +49,8 @@ pub struct Demand {
     pub fabric: bool,
     /// Hydrate and pore pressure, where the pack has hydrate: [`Hydrate`].
     pub hydrate: bool,
+    /// How a box of discs is sheared: [`Shear`].
+    pub shear: bool,
     /// What each event did: [`Rearrangement`].
     pub rearrangements: bool,
     /// All grains before and after each event: [`Snapshot`].
@@ -66,6 +72,7 @@ impl Demand {
         grain_motion: true,
         fabric: true,
         hydrate: true,
+        shear: true,
         rearrangements: true,
         snapshots: true,
         bonds: true,
@@ -82,6 +89,7 @@ impl Demand {
         grain_motion: false,
         fabric: false,
         hydrate: false,
+        shear: false,
         rearrangements: false,
         snapshots: false,
         bonds: false,
@@ -100,6 +108,7 @@ impl Demand {
             grain_motion: self.grain_motion || other.grain_motion,
             fabric: self.fabric || other.fabric,
             hydrate: self.hydrate || other.hydrate,
+            shear: self.shear || other.shear,
             rearrangements: self.rearrangements || other.rearrangements,
             snapshots: self.snapshots || other.snapshots,
             bonds: self.bonds || other.bonds,
@@ -165,6 +174,8 @@ pub struct Measures {
     pub fabric: Option<Fabric>,
     /// Present when [`Demand::hydrate`] was set and the pack has hydrate.
     pub hydrate: Option<Hydrate>,
+    /// Present when [`Demand::shear`] was set and the grains are discs.
+    pub shear: Option<Shear>,
     /// Present when [`Demand::bonds`] was set and the scene has cement.
     pub bonds: Option<Bonds>,
     /// Present when [`Demand::cracks`] was set and the scene has cement.

@@ -105,6 +105,9 @@ fn each_measure<E>(
     if let Some(fabric) = convert::fabric(measures) {
         give(&topics::FABRIC, &fabric)?;
     }
+    if let Some(shear) = convert::shear(measures) {
+        give(&topics::SHEAR_STATE, &shear)?;
+    }
     if let Some(hydrate) = convert::hydrate(measures) {
         give(&topics::HYDRATE, &hydrate)?;
     }
@@ -191,7 +194,7 @@ outgoing!(header of BoundaryCommand, WallTargets, Circumstance, Report, WallForc
     JointState, JointTrajectory, PackState, Moduli, ContactNetwork, GrainMotion, Event, Discrepancy, Fabric, Tangent,
     DiagnosticArray, PointCloud2);
 outgoing!(header of Rearrangement, Snapshot, Dissociation, Hydrate, Bonds, Cracks);
-outgoing!(header of ShearCommand);
+outgoing!(header of ShearCommand, ShearState);
 outgoing!(Log: |message| message.stamp.into(), ParameterEvent: |message| message.stamp.into());
 outgoing!(TFMessage: |message| {
     message.transforms.first().map(|first| first.header.stamp.into()).unwrap_or_default()

@@ -16,6 +16,7 @@ mod hydrate;
 mod shear;
 
 pub use hydrate::hydrate;
+pub use shear::shear;
 
 use super::topics::{PACK_FRAME, VIEW_FRAME, WORLD_FRAME, wall_frame};
 use super::{

@@ -25,7 +25,7 @@ pub use fabric::Fabric;
 
 pub use hydrate::{Dissociation, Hydrate};
 
-pub use shear::ShearCommand;
+pub use shear::{ShearCommand, ShearState};
 
 /// Where the walls shall be.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -274,6 +274,7 @@ message!(
     "0ff1686f2a4432051f58531579a1719a100d2b16b1ed2cec5e1eddc1fddc1087"
 );
 message!(ShearCommand, &[Header::TYPE], "0");
+message!(ShearState, &[Header::TYPE], "1");
 message!(
     Hydrate,
     &[Header::TYPE],

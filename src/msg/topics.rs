@@ -6,8 +6,8 @@ use super::schema::{Described, MessageType};
 use super::{
     Bonds, BoundaryCommand, Circumstance, ContactNetwork, Cracks, DiagnosticArray, Discrepancy,
     Dissociation, Event, Fabric, GrainMotion, Hydrate, JointState, JointTrajectory, MarkerArray,
-    Moduli, PackState, PointCloud2, Report, ShearCommand, TFMessage, Tangent, WallForces,
-    WallTargets, WrenchStamped,
+    Moduli, PackState, PointCloud2, Report, ShearCommand, ShearState, TFMessage, Tangent,
+    WallForces, WallTargets, WrenchStamped,
 };
 use crate::wall;
 
@@ -153,6 +153,9 @@ pub static FABRIC: Topic = Topic::new("fabric", Fabric::TYPE, 64);
 /// Out: [`Hydrate`], when the pack has hydrate.
 pub static HYDRATE: Topic = Topic::new("hydrate", Hydrate::TYPE, 64);
 
+/// Out: [`ShearState`], of discs.
+pub static SHEAR_STATE: Topic = Topic::new("shear_state", ShearState::TYPE, 64);
+
 /// Out: [`Bonds`], where there is cement.
 pub static BONDS: Topic = Topic::new("bonds", Bonds::TYPE, 64);
 /// Out: [`Cracks`], where there is cement.
@@ -198,6 +201,7 @@ pub fn measures() -> impl Iterator<Item = &'static Topic> {
         &GRAIN_MOTION,
         &FABRIC,
         &HYDRATE,
+        &SHEAR_STATE,
         &BONDS,
         &CRACKS,
         &EVENTS,

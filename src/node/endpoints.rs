@@ -14,8 +14,8 @@ use super::{NodeError, clock, mapping};
 use crate::msg::{
     Bonds, BoundaryCommand, Clock, ContactNetwork, Cracks, DiagnosticArray, Discrepancy,
     Dissociation, Event, Fabric, GrainMotion, Hydrate, JointState, JointTrajectory, MarkerArray,
-    Moduli, PackState, PointCloud2, Rearrangement, Report, ShearCommand, TFMessage, Tangent, Topic,
-    WallForces, WallTargets, WrenchStamped, topics,
+    Moduli, PackState, PointCloud2, Rearrangement, Report, ShearCommand, ShearState, TFMessage,
+    Tangent, Topic, WallForces, WallTargets, WrenchStamped, topics,
 };
 use crate::{scene, wall};
 
@@ -39,6 +39,7 @@ pub(super) struct Endpoints {
     pub events: Out<Event>,
     pub fabric: Out<Fabric>,
     pub hydrate: Out<Hydrate>,
+    pub shear_state: Out<ShearState>,
     pub bonds: Out<Bonds>,
     pub cracks: Out<Cracks>,
     pub rearrangements: Out<Rearrangement>,
@@ -139,6 +140,7 @@ impl Endpoints {
             events: Out::new(&mut node, identity, &topics::EVENTS)?,
             fabric: Out::new(&mut node, identity, &topics::FABRIC)?,
             hydrate: Out::new(&mut node, identity, &topics::HYDRATE)?,
+            shear_state: Out::new(&mut node, identity, &topics::SHEAR_STATE)?,
             bonds: Out::new(&mut node, identity, &topics::BONDS)?,
             cracks: Out::new(&mut node, identity, &topics::CRACKS)?,
             rearrangements: Out::new(&mut node, identity, &topics::REARRANGEMENTS)?,
@@ -174,6 +176,7 @@ impl Endpoints {
             self.events.listeners(self),
             self.fabric.listeners(self),
             self.hydrate.listeners(self),
+            self.shear_state.listeners(self),
             self.bonds.listeners(self),
             self.cracks.listeners(self),
             self.rearrangements.listeners(self),

@@ -1,7 +1,7 @@
 //! What a scene of spheres or of discs cannot have.
 
 use super::check::{Field, Problems};
-use super::{Friction, Law, Method, Normal, Rotation, Scene, When};
+use super::{Friction, Law, Method, Normal, Rotation, Scene, Step, When};
 
 pub(super) fn check(scene: &Scene, problems: &mut Problems) {
     let at = Field::root();
@@ -15,6 +15,10 @@ pub(super) fn check(scene: &Scene, problems: &mut Problems) {
         if scene.contact.rotation == Rotation::Locked {
             let text = "only discs can be locked; allowed: free, or `dimension: 2`";
             not(at.key("contact").key("rotation"), text);
+        }
+        if tilts(&scene.load_path.0) {
+            let text = "only a box of discs leans; allowed: steps without shear, or `dimension: 2`";
+            not(at.key("load_path"), text);
         }
         if scene.walls.glue {
             not(
@@ -59,4 +63,12 @@ pub(super) fn check(scene: &Scene, problems: &mut Problems) {
         let text = "the motion of grains is for spheres; allowed in the plane: never";
         not(at.key("outputs").key("grain_motion"), text);
     }
+}
+
+fn tilts(steps: &[Step]) -> bool {
+    steps.iter().any(|step| match step {
+        Step::Shear(_) => true,
+        Step::Repeat(repeat) => tilts(&repeat.steps),
+        _ => false,
+    })
 }

@@ -7,8 +7,8 @@ use crate::command::Stamp;
 use crate::measure::contacts::Contacts;
 use crate::measure::coordination::{self, Histograms};
 use crate::measure::{
-    self, cement, fabric, grains, hydrate, moduli, motion, network, porosity, row_major, stress,
-    sudden, walls,
+    self, cement, fabric, grains, hydrate, moduli, motion, network, porosity, row_major, shear,
+    stress, sudden, walls,
 };
 use crate::model::Model;
 use crate::plane;
@@ -74,6 +74,10 @@ impl Twin {
                 true => hydrate::hydrate(model, state, &contacts.list, loaded.stress.trace() / 3.0),
                 false => None,
             },
+            shear: match demand.shear {
+                true => shear::shear(model, state, &contacts.list),
+                false => None,
+            },
             bonds: if demand.bonds { cement::bonds(model, state) } else { None },
             cracks: match demand.cracks {
                 true => cement::cracks(model, state, &reached.cracks),
@@ -96,7 +100,7 @@ impl Twin {
         let bounds = self.state.bounds(&self.model);
         let walls = walls::forces(&self.model, &self.state, &contacts.list);
         Loaded {
-            stress: stress::from_walls(&walls, &bounds),
+            stress: stress::from_leaning_walls(&walls, &bounds, self.state.tilt),
             strain: stress::engineering_strain(&bounds, &self.model.reference),
             walls,
             bounds,

@@ -2,7 +2,8 @@
 
 use super::pack_header;
 use crate::command::{Ask, Command, Shear};
-use crate::msg::ShearCommand;
+use crate::msg::{ShearCommand, ShearState};
+use crate::report::{self, Measures};
 use crate::wall::WallTarget;
 
 /// A command whose age nobody has measured yet.
@@ -32,4 +33,29 @@ pub(super) fn command(command: &Command, shear: &Shear) -> ShearCommand {
         control: shear.targets.map(|target| target.numbers().0),
         value: shear.targets.map(|target| target.numbers().1),
     }
+}
+
+/// How the box is sheared, when that was asked for and the grains are discs.
+#[must_use]
+pub fn shear(measures: &Measures) -> Option<ShearState> {
+    let report::Shear {
+        tilt,
+        strain,
+        inner_stress,
+        inner_grains,
+        stress_direction,
+        strain_direction,
+        mean_rotation,
+    } = measures.shear?;
+    Some(ShearState {
+        header: pack_header(measures.stamp),
+        increment: measures.increment,
+        tilt,
+        strain,
+        inner_stress,
+        inner_grains,
+        stress_direction,
+        strain_direction,
+        mean_rotation,
+    })
 }

@@ -23,3 +23,26 @@ pub struct ShearCommand {
     /// Value of each wall's target.
     pub value: [f64; wall::COUNT],
 }
+
+/// How a box of discs is sheared.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ShearState {
+    /// Stamp of the command served.
+    pub header: Header,
+    /// 0 for the initial equilibrium, then one more per command served.
+    pub increment: u64,
+    /// Shear γ of the box.
+    pub tilt: f64,
+    /// Small strain of the box, row by row.
+    pub strain: [f64; 4],
+    /// Mean stress of the grains in the middle \[Pa\], row by row.
+    pub inner_stress: [f64; 4],
+    /// Number of these grains.
+    pub inner_grains: u32,
+    /// Angle from x to the major principal direction of that stress \[rad\].
+    pub stress_direction: f64,
+    /// The same of the strain \[rad\].
+    pub strain_direction: f64,
+    /// Mean rotation of the grains that carry load and are free \[rad\].
+    pub mean_rotation: f64,
+}
