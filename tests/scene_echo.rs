@@ -388,7 +388,7 @@ fn scene() -> impl Strategy<Value = Scene> {
         |(young, poisson, friction, targets)| Walls { young, poisson, friction, targets },
     );
     let contact = (normal(), friction(), any::<bool>())
-        .prop_map(|(normal, friction, torsion)| Contact { normal, friction, torsion });
+        |(young, poisson, friction, targets)| Walls { young, poisson, friction, glue: false, targets },
     let laws = (walls, contact, prop::array::uniform3(-1e3..1e3), option::of(bounds()));
     let path = prop::collection::vec(step(), 0..4);
     (word(), materials, laws, pack(), solver(), path, (service(), view())).prop_map(
