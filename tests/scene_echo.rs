@@ -385,10 +385,16 @@ fn choice<T>(value: Option<T>) -> Choice<T> {
 fn scene() -> impl Strategy<Value = Scene> {
     let materials = prop::collection::btree_map(word(), material(), 0..3);
     let walls = (positive(), -0.999..0.499, option::of(coefficient()), targets()).prop_map(
-        |(young, poisson, friction, targets)| Walls { young, poisson, friction, targets },
+        |(young, poisson, friction, targets)| Walls {
+            young,
+            poisson,
+            friction,
+            glue: false,
+            targets,
+        },
     );
     let contact = (normal(), friction(), any::<bool>())
-        |(young, poisson, friction, targets)| Walls { young, poisson, friction, glue: false, targets },
+        .prop_map(|(normal, friction, torsion)| Contact { normal, friction, torsion });
     let laws = (walls, contact, prop::array::uniform3(-1e3..1e3), option::of(bounds()));
     let path = prop::collection::vec(step(), 0..4);
     (word(), materials, laws, pack(), solver(), path, (service(), view())).prop_map(

@@ -4,7 +4,7 @@
 //! Writes the figures of `docs/validation.md` into `docs/images` and prints its tables. Seeds as
 //! arguments take the place of the default ones: `-- 4 5`, and names of parts select them:
 //! `-- network` (the force network), `-- events`, `-- cement`, `-- two_step`, `-- hydrates`,
-//! `-- moduli`. One thread; takes minutes.
+//! `-- simple_shear`, `-- moduli`. One thread; takes minutes.
 #![allow(clippy::print_stdout, clippy::expect_used)] // A bench prints, and ends when a step fails.
 
 mod cement;
@@ -15,6 +15,7 @@ mod hydrates;
 mod intervals;
 mod network;
 mod runs;
+mod simple_shear;
 mod specimen;
 mod tables;
 mod theory;
@@ -31,7 +32,8 @@ use runs::Sample;
 const SEEDS: [u64; 3] = [1, 2, 3];
 
 /// Parts that can be selected.
-const PARTS: [&str; 6] = ["moduli", "network", "events", "cement", "two_step", "hydrates"];
+const PARTS: [&str; 7] =
+    ["moduli", "network", "events", "cement", "two_step", "hydrates", "simple_shear"];
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -66,6 +68,11 @@ fn main() {
         let samples = pool.install(|| cement::run(&seeds));
         cement::print(&samples);
         draw(cement::sheets(&samples));
+    }
+    if selected("simple_shear") {
+        let tests: Vec<_> =
+            pool.install(|| seeds.iter().map(|&seed| simple_shear::run(seed)).collect());
+        simple_shear::print(&tests);
     }
     if selected("two_step") {
         pool.install(|| two_step::run(&seeds));
