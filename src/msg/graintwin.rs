@@ -273,8 +273,16 @@ message!(
     &[Header::TYPE],
     "0ff1686f2a4432051f58531579a1719a100d2b16b1ed2cec5e1eddc1fddc1087"
 );
-message!(ShearCommand, &[Header::TYPE], "0");
-message!(ShearState, &[Header::TYPE], "1");
+message!(
+    ShearCommand,
+    &[Header::TYPE],
+    "4d861b2f3c9c5b1b7367e6ca0c265c868021577f1dc42569308e19175c370153"
+);
+message!(
+    ShearState,
+    &[Header::TYPE],
+    "463cbc2629e43d0a396005bddcafeb19481a3dda0234a6d5ef5b9d744e615187"
+);
 message!(
     Hydrate,
     &[Header::TYPE],
