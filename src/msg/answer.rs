@@ -11,8 +11,8 @@ use super::topics::{self, Topic};
 use super::{
     Bonds, BoundaryCommand, Circumstance, ContactNetwork, Cracks, Described, DiagnosticArray,
     Discrepancy, Dissociation, Event, Fabric, GrainMotion, Hydrate, JointState, JointTrajectory,
-    MarkerArray, MessageType, Moduli, PackState, PointCloud2, Report, ShearCommand, TFMessage,
-    Tangent, WallForces, WallTargets, WrenchStamped,
+    MarkerArray, MessageType, Moduli, PackState, PointCloud2, Report, ShearCommand, ShearState,
+    TFMessage, Tangent, WallForces, WallTargets, WrenchStamped,
 };
 use crate::command::Stamp;
 use crate::report::Measures;

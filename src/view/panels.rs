@@ -11,6 +11,7 @@ mod measures;
 mod moduli;
 mod motion;
 mod network;
+mod shear;
 mod solver;
 mod strain;
 mod typical;
@@ -69,6 +70,7 @@ pub fn sheets(history: &History, title: &str) -> Vec<(&'static str, Sheet)> {
         ("forces", vec![forces, contacts::tangential(run)]),
         ("motion", motions),
         ("hydrate", hydrate::charts(run)),
+        ("shear", shear::charts(run)),
         (
             "fabric",
             vec![

@@ -5,7 +5,7 @@ pub(super) mod cement;
 use super::motions::Motions;
 use crate::msg::{
     ContactNetwork, Cracks, Event, Fabric, GrainMotion, Hydrate, Moduli, PackState, Rearrangement,
-    Tangent, WallForces,
+    ShearState, Tangent, WallForces,
 };
 use crate::report::EventKind;
 
@@ -23,6 +23,8 @@ pub struct Run {
     pub fabrics: Vec<Fabric>,
     /// Hydrate and pore pressures.
     pub hydrates: Vec<Hydrate>,
+    /// How a box of discs is sheared.
+    pub shears: Vec<ShearState>,
     /// The moduli of the states themselves.
     pub tangents: Vec<Tangent>,
     /// The forces of the first and of the last contact network, which may be the same.
@@ -71,6 +73,7 @@ pub(super) enum Measure {
     Motion(Box<GrainMotion>),
     Fabric(Box<Fabric>),
     Hydrate(Hydrate),
+    Shear(ShearState),
     Cracks(Box<Cracks>),
     Event(Event),
     Rearrangement(Rearrangement),
@@ -100,7 +103,8 @@ impl Run {
             .chain(networks)
             .chain(motions)
             .chain(fabrics)
-            .chain(self.hydrates.iter().map(|hydrate| hydrate.increment));
+            .chain(self.hydrates.iter().map(|hydrate| hydrate.increment))
+            .chain(self.shears.iter().map(|shear| shear.increment));
         all.fold(None, |range, at| {
             let (first, last) = range.unwrap_or((at, at));
             Some((first.min(at), last.max(at)))
@@ -117,6 +121,7 @@ impl Run {
             .max(self.motions.whole.len())
             .max(self.fabrics.len())
             .max(self.hydrates.len())
+            .max(self.shears.len())
     }
 
     /// Whether `measure` tells of a later run than the measures of its type so far.
@@ -134,6 +139,9 @@ impl Run {
             }
             Measure::Hydrate(next) => {
                 (self.hydrates.last().map(|m| m.increment), next.increment, false)
+            }
+            Measure::Shear(next) => {
+                (self.shears.last().map(|m| m.increment), next.increment, false)
             }
             Measure::Tangent(next) => {
                 (self.tangents.last().map(|m| m.increment), next.increment, false)
@@ -163,6 +171,7 @@ impl Run {
             Measure::Motion(motion) => self.motions.add(*motion),
             Measure::Fabric(fabric) => self.fabrics.push(*fabric),
             Measure::Hydrate(hydrate) => self.hydrates.push(hydrate),
+            Measure::Shear(shear) => self.shears.push(shear),
             Measure::Cracks(cracks) => self.cement.add(&cracks),
             // What broke is drawn by itself.
             Measure::Event(event) if event.kind == EventKind::StressDrop as u8 => {
