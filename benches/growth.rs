@@ -107,6 +107,7 @@ fn take(grains: usize, threads: usize, friction: f64) -> Run {
         confining_stress: STRESS,
         aspect: [1.0; 3],
         expand_floaters: 0,
+        compaction_friction: 0.0,
     };
     let (pack, made) = timed(|| {
         generate(&spec, &GLASS, &Walls::default(), friction, Solver::default()).expect("a pack")

@@ -11,7 +11,7 @@ use crate::contact::{Other, hertz, mindlin};
 use crate::pack::{Grain, Pack};
 use crate::plane;
 use crate::scene::{self, Cement, Coulomb, Law, Scene, Solver, Update, Walls};
-use crate::wall::Bounds;
+use crate::wall::{self, Bounds};
 use hydrate::Hydrate;
 
 /// Streams into which the grains are cut, then dealt one after the other.
@@ -65,11 +65,12 @@ pub struct Model {
     /// Cement.
     pub cement: Option<Cement>,
     /// Mean contact force below which residuals are those of this force \[N\]: cement can be free of
-    /// any load. 0 without cement.
+    /// any load, and so can discs that just touch. 0 without cement and linear contacts.
     pub least_force: f64,
     /// What makes the grains discs; `None` for spheres.
     pub plane: Option<plane::Setup>,
-    /// What the rounding of coordinates makes of cement that is free of load \[N\]; 0 without cement.
+    /// What the rounding of coordinates makes of cement, or of discs, that are free of load \[N\]; 0
+    /// without cement and linear contacts.
     pub rounding_force: f64,
 }
 
@@ -162,10 +163,8 @@ impl Model {
         if let scene::Normal::Cement(cement) = scene.contact.normal {
             model.cement = Some(cement);
             let stiffness = model.typical_stiffness();
-            let far = pack.bounds.min.iter().chain(&pack.bounds.max).map(|x| x.abs());
-            let far = far.fold(0.0, f64::max);
             model.least_force = stiffness * FAINT_STRAIN * model.mean_radius;
-            model.rounding_force = stiffness * ROUNDINGS * f64::EPSILON * far;
+            model.rounding_force = stiffness * ROUNDINGS * f64::EPSILON * furthest(&pack.bounds);
             let smooth = || Friction::smooth(&model.grains, &scene.walls, torsion);
             model.friction = model.friction.or_else(|| Some(smooth()));
         }
@@ -175,7 +174,12 @@ impl Model {
                 let smooth = || Friction::smooth(&model.grains, &scene.walls, torsion);
                 model.friction = model.friction.or_else(|| Some(smooth()));
             }
-            model.plane = Some(plane::Setup::new(&model, scene));
+            let setup = plane::Setup::new(&model, scene);
+            if let plane::Law::Linear { normal, .. } = setup.law {
+                model.least_force = normal * FAINT_STRAIN * model.mean_radius;
+                model.rounding_force = normal * ROUNDINGS * f64::EPSILON * furthest(&pack.bounds);
+            }
+            model.plane = Some(setup);
         }
         model.hydrate = Hydrate::of(&model);
         model
@@ -233,6 +237,24 @@ impl Model {
         if self.plane.is_some() { 2 } else { 3 }
     }
 
+    /// The box with its walls displaced inwards by `displacement` \[m\].
+    #[must_use]
+    pub fn bounds(&self, displacement: &[f64; wall::COUNT]) -> Bounds {
+        match &self.plane {
+            None => self.start.displaced(displacement),
+            Some(setup) => setup.cell.bounds(displacement),
+        }
+    }
+
+    /// Area of wall `w` then \[m²\].
+    #[must_use]
+    pub fn wall_area(&self, w: usize, displacement: &[f64; wall::COUNT]) -> f64 {
+        match &self.plane {
+            None => self.start.displaced(displacement).area(w),
+            Some(setup) => setup.cell.area(w, displacement),
+        }
+    }
+
     /// Number of grains.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -279,6 +301,11 @@ impl Model {
         let modulus = hertz::modulus(0.5 * self.mean_radius, 2.0 * compliance);
         hertz::force(modulus, 1e-7 * self.mean_radius)
     }
+}
+
+/// Largest coordinate of a box \[m\].
+fn furthest(bounds: &Bounds) -> f64 {
+    bounds.min.iter().chain(&bounds.max).fold(0.0, |far, x| far.max(x.abs()))
 }
 
 /// Volume of a sphere \[m³\].

@@ -3,24 +3,31 @@
 mod beside;
 mod build;
 mod coincident;
+mod crystal;
 mod csv;
+pub mod discs;
 mod error;
 pub mod generate;
+pub mod grading;
 mod history;
 pub mod hydrate;
 pub mod prepare;
 pub mod properties;
+mod rescale;
 mod save;
 
 use crate::wall::Bounds;
 
 pub use beside::box_file;
 pub use build::{build, from_texts, unprepared};
+pub use crystal::crystal;
 pub use csv::{Columns, Constants, PackFile, PackRow, read};
 pub use error::PackError;
 pub use history::{
-    BondMemory, ContactMemory, History, Kept, Layer, history_file, wall_index, wall_of,
+    BondMemory, ContactMemory, History, Kept, Layer, MOST_BODIES, body_of, history_file,
+    wall_index, wall_of,
 };
+pub use rescale::rescale;
 pub use save::{Texts, save, texts};
 
 /// One grain's constants and position.
@@ -55,16 +62,20 @@ pub struct Pack {
 
 impl Pack {
     /// The grains that lie wholly inside `bounds`, which becomes the box (HZ-15), without history.
-    /// None may be left.
+    /// None may be left. Discs, of the dimension 2, keep their depth.
     #[must_use]
-    pub fn cut(&self, bounds: &Bounds) -> Self {
+    pub fn cut(&self, bounds: &Bounds, dimension: u8) -> Self {
         let inside = |grain: &&Grain| {
-            (0..3).all(|axis| {
+            (0..usize::from(dimension)).all(|axis| {
                 grain.position[axis] - grain.radius >= bounds.min[axis]
                     && grain.position[axis] + grain.radius <= bounds.max[axis]
             })
         };
         let grains = self.grains.iter().filter(inside).copied().collect();
-        Self { bounds: *bounds, grains, history: None }
+        let mut bounds = *bounds;
+        if dimension == 2 {
+            (bounds.min[2], bounds.max[2]) = (self.bounds.min[2], self.bounds.max[2]);
+        }
+        Self { bounds, grains, history: None }
     }
 }

@@ -13,6 +13,7 @@
 pub mod advance;
 pub mod balance;
 pub mod boundary;
+pub mod cell;
 mod commit;
 pub mod contacts;
 pub mod crack;
@@ -20,14 +21,18 @@ mod floating;
 mod gauss_seidel;
 pub mod glue;
 pub mod law;
+mod loads;
 pub mod matrix;
+pub mod membrane;
 mod newton;
+mod outline;
 pub mod pressed;
 pub mod reference;
 pub mod setup;
 mod work;
 
-pub use setup::{Setup, Strength};
+pub use cell::Cell;
+pub use setup::{Law, Setup, Strength};
 pub use work::Workspace;
 
 /// A vector in the plane.

@@ -8,6 +8,8 @@ mod fabric;
 
 mod hydrate;
 
+mod plane;
+
 mod rearrangement;
 
 mod shear;
@@ -24,6 +26,8 @@ pub use motion::{Band, GrainMotion, Localisation};
 pub use hydrate::Hydrate;
 
 pub use shear::Shear;
+
+pub use plane::{PlaneState, Polar, Rings};
 
 pub use fabric::{AngularForm, ByAngle, Chains, Directions, Fabric};
 
@@ -51,6 +55,8 @@ pub struct Demand {
     pub hydrate: bool,
     /// How a box of discs is sheared: [`Shear`].
     pub shear: bool,
+    /// What is measured of discs alone: [`PlaneState`]; nothing of spheres.
+    pub plane: bool,
     /// What each event did: [`Rearrangement`].
     pub rearrangements: bool,
     /// All grains before and after each event: [`Snapshot`].
@@ -73,6 +79,7 @@ impl Demand {
         fabric: true,
         hydrate: true,
         shear: true,
+        plane: true,
         rearrangements: true,
         snapshots: true,
         bonds: true,
@@ -90,6 +97,7 @@ impl Demand {
         fabric: false,
         hydrate: false,
         shear: false,
+        plane: false,
         rearrangements: false,
         snapshots: false,
         bonds: false,
@@ -109,6 +117,7 @@ impl Demand {
             fabric: self.fabric || other.fabric,
             hydrate: self.hydrate || other.hydrate,
             shear: self.shear || other.shear,
+            plane: self.plane || other.plane,
             rearrangements: self.rearrangements || other.rearrangements,
             snapshots: self.snapshots || other.snapshots,
             bonds: self.bonds || other.bonds,
@@ -176,6 +185,8 @@ pub struct Measures {
     pub hydrate: Option<Hydrate>,
     /// Present when [`Demand::shear`] was set and the grains are discs.
     pub shear: Option<Shear>,
+    /// Present when [`Demand::plane`] was set and the scene is of discs.
+    pub plane: Option<PlaneState>,
     /// Present when [`Demand::bonds`] was set and the scene has cement.
     pub bonds: Option<Bonds>,
     /// Present when [`Demand::cracks`] was set and the scene has cement.
@@ -366,4 +377,6 @@ pub struct Grains {
     pub pressure: Vec<f64>,
     /// Way of the centre since the start of the run, from where the pack as given had it \[m\].
     pub displacement: Vec<[f64; 3]>,
+    /// Turn of a disc about z \[rad\]; empty for spheres and without friction.
+    pub turn: Vec<f64>,
 }

@@ -8,9 +8,11 @@ mod cement;
 mod check;
 mod choice;
 mod contact;
+mod crystal;
 mod dimension;
 mod dissociate;
 mod error;
+mod grading;
 mod hydrate;
 mod linear;
 mod load;
@@ -25,6 +27,7 @@ mod record;
 mod rig_log;
 mod shear;
 mod solver;
+mod surround;
 mod syntax;
 mod targets;
 mod tree;
@@ -42,8 +45,10 @@ pub use cement::{Cement, CementLaw, CementStrength, Exponential, Parallel, Power
 use check::{Field, Problems};
 pub use choice::Choice;
 pub use contact::{Contact, Coulomb, Friction, Law, Normal, Rotation, Update};
+pub use crystal::Crystal;
 pub use dissociate::{BIOT, Dissociate};
 pub use error::{Problem, SceneError};
+pub use grading::Grading;
 pub use hydrate::Hydrate;
 pub use linear::{BondForm, Linear, LinearBond};
 pub use load::{Loaded, load, parse};
@@ -63,6 +68,7 @@ pub use record::{Compression, OnFailure, Record, Split, Topics};
 pub use rig_log::{Lateral, RigLog, StrainUnit};
 pub use shear::ShearStep;
 pub use solver::{MAX_STRAIN_INCREMENT, Method, Solver, TOLERANCE};
+pub use surround::{Annulus, Cell, MOST_POINTS, PointSides, Points};
 pub use targets::Targets;
 pub use view::{ColorBy, VIEW_SCALE, View};
 pub use walls::Walls;
@@ -144,6 +150,7 @@ impl Scene {
             problems.add(at.key("dimension"), format!("{}; allowed: 2, 3", self.dimension));
         }
         dimension::check(self, problems);
+        surround::check(self.dimension, &self.walls, &self.load_path, problems);
         for (name, material) in &self.materials {
             material.check(&at.key("materials").key(name), problems);
         }
@@ -156,7 +163,7 @@ impl Scene {
             problems.bounds(&at.key("reference"), reference);
         }
         self.solver.check(&at.key("solver"), problems);
-        self.load_path.check(&at.key("load_path"), problems);
+        self.load_path.check(&at.key("load_path"), self.walls.cell == Cell::Box, problems);
         self.outputs.check(&at.key("outputs"), problems);
         self.node.check(&at.key("node"), problems);
         self.record.check(&at.key("record"), problems);

@@ -4,7 +4,8 @@
 //! Writes the figures of `docs/validation.md` into `docs/images` and prints its tables. Seeds as
 //! arguments take the place of the default ones: `-- 4 5`, and names of parts select them:
 //! `-- network` (the force network), `-- events`, `-- cement`, `-- two_step`, `-- hydrates`,
-//! `-- simple_shear`, `-- moduli`. One thread; takes minutes.
+//! `-- moduli`, `-- samples` (packs of discs), `-- sand`, `-- sandstone`, `-- crystal`, `-- simple_shear`.
+//! One thread; takes minutes.
 #![allow(clippy::print_stdout, clippy::expect_used)] // A bench prints, and ends when a step fails.
 
 mod cement;
@@ -14,7 +15,9 @@ mod figures;
 mod hydrates;
 mod intervals;
 mod network;
+mod plane;
 mod runs;
+mod samples;
 mod simple_shear;
 mod specimen;
 mod tables;
@@ -32,8 +35,19 @@ use runs::Sample;
 const SEEDS: [u64; 3] = [1, 2, 3];
 
 /// Parts that can be selected.
-const PARTS: [&str; 7] =
-    ["moduli", "network", "events", "cement", "two_step", "hydrates", "simple_shear"];
+const PARTS: [&str; 11] = [
+    "moduli",
+    "network",
+    "events",
+    "cement",
+    "two_step",
+    "hydrates",
+    "samples",
+    "sand",
+    "sandstone",
+    "crystal",
+    "simple_shear",
+];
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -73,6 +87,18 @@ fn main() {
         let tests: Vec<_> =
             pool.install(|| seeds.iter().map(|&seed| simple_shear::run(seed)).collect());
         simple_shear::print(&tests);
+    }
+    if selected("samples") {
+        samples::print(&pool.install(samples::run));
+    }
+    if selected("sand") {
+        pool.install(|| plane::sand(&seeds));
+    }
+    if selected("sandstone") {
+        pool.install(|| plane::sandstone(&seeds));
+    }
+    if selected("crystal") {
+        pool.install(plane::crystal);
     }
     if selected("two_step") {
         pool.install(|| two_step::run(&seeds));

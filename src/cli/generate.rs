@@ -40,7 +40,7 @@ pub(super) fn run(args: &Args, cli: &Cli, bars: &MultiProgress) -> Result<Outcom
         args.out.display(),
         pack::box_file(&args.out).display(),
         specimen::preparation(&prepared),
-        specimen::describe(&pack),
+        specimen::describe(&pack, loaded.scene.dimension),
     );
     output::print(&text)?;
     Ok(Outcome::Done)

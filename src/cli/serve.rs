@@ -176,6 +176,7 @@ pub(super) fn ordered(outputs: Outputs, wanted: Demand) -> Demand {
         fabric: when(outputs.fabric, wanted.fabric),
         hydrate: wanted.hydrate,
         shear: wanted.shear,
+        plane: wanted.plane,
         rearrangements: when(outputs.rearrangements, wanted.rearrangements),
         snapshots: when(outputs.snapshots, wanted.snapshots),
         bonds: when(outputs.bonds, wanted.bonds),

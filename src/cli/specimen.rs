@@ -1,5 +1,7 @@
 //! The pack of a scene, and what to say of it.
 
+use std::f64::consts::PI;
+
 use indicatif::MultiProgress;
 
 use graintwin::pack::prepare::{Reached, prepare};
@@ -10,7 +12,7 @@ use super::Failure;
 use super::output::significant;
 use super::progress::waiting;
 
-/// A pack with what its preparation reached, one entry a step.
+/// A pack with what its preparation reached, one entry a step that looks for equilibrium.
 pub(super) struct Specimen {
     pub(super) pack: Pack,
     pub(super) prepared: Vec<Reached>,
@@ -41,7 +43,7 @@ pub(super) fn build(
     let pack = waiting("preparing".into(), bars, |bar| {
         let mut watch = |reached: &Reached| {
             bar.set_message(format!("preparing, {}/{steps} {}", reached.step + 1, now(reached)));
-            prepared.truncate(reached.step);
+            prepared.retain(|before| before.step < reached.step);
             prepared.push(*reached);
         };
         pool.install(|| prepare(scene, pack, &mut watch)).map_err(PackError::from)
@@ -95,13 +97,18 @@ fn hydrate(pack: &Pack) -> String {
     }
 }
 
-/// Number, size, density and history of a pack.
-pub(super) fn describe(pack: &Pack) -> String {
+/// Number, size, density and history of a pack, of discs where the `dimension` is 2.
+pub(super) fn describe(pack: &Pack, dimension: u8) -> String {
     let radii = pack.grains.iter().map(|grain| grain.radius);
     let (least, most) = radii.clone().fold((f64::INFINITY, 0.0_f64), |(least, most), radius| {
         (least.min(radius), most.max(radius))
     });
-    let solid: f64 = radii.map(|radius| 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3)).sum();
+    let depth = pack.bounds.sides()[2];
+    let solid = |radius: f64| match dimension {
+        2 => PI * radius * radius * depth,
+        _ => 4.0 / 3.0 * PI * radius.powi(3),
+    };
+    let solid: f64 = radii.map(solid).sum();
     let [x, y, z] = pack.bounds.sides().map(|side| significant(side * 1e3, 5));
     format!(
         "grains          {}\nradii           {} to {} mm\nbox             {x} x {y} x {z} mm\n\

@@ -8,6 +8,7 @@ mod setpoint;
 use std::collections::VecDeque;
 
 use crate::command::{Ask, Command, Disposition, Dissociation, Mode, Stamp};
+use crate::plane::Cell;
 use crate::report::Report;
 use crate::scene::{self, Fault, Limits};
 use crate::wall::{self, Bounds, Setpoint, WallTarget};
@@ -66,8 +67,8 @@ pub struct Gate {
     displacement: [f64; wall::COUNT],
     /// What hydrate there is, and what became of it.
     hydrate: hydrate::Stock,
-    /// Walls that there are: discs have no z walls.
-    walls: usize,
+    /// What surrounds discs; `None` for spheres between six walls.
+    cell: Option<Cell>,
     /// Whether the box can lean, and by how much it does.
     leans: bool,
     tilt: f64,
@@ -99,16 +100,25 @@ impl Gate {
             now: wall::standing(&displacement),
             displacement,
             hydrate: hydrate::Stock::default(),
-            walls: wall::COUNT,
+            cell: None,
             leans: false,
             tilt: 0.0,
         }
     }
 
-    /// The same for discs in a box that can lean, without z walls.
+    /// The same for discs in `cell`.
     #[must_use]
-    pub fn in_plane(self) -> Self {
-        Self { walls: 4, leans: true, ..self }
+    pub fn in_plane(self, cell: Cell) -> Self {
+        let leans = cell.leans();
+        Self { cell: Some(cell), leans, ..self }
+    }
+
+    /// The box with walls displaced inwards by `displacement` \[m\].
+    fn bounds(&self, displacement: &[f64; wall::COUNT]) -> Bounds {
+        match &self.cell {
+            None => self.start.displaced(displacement),
+            Some(cell) => cell.bounds(displacement),
+        }
     }
 
     /// From now on commands older than `seconds` are refused unless that is 0.

@@ -13,9 +13,11 @@ pub use fabric::fabric;
 mod tangent;
 
 mod hydrate;
+mod plane;
 mod shear;
 
 pub use hydrate::hydrate;
+pub use plane::plane_state;
 pub use shear::shear;
 
 use super::topics::{PACK_FRAME, VIEW_FRAME, WORLD_FRAME, wall_frame};

@@ -14,8 +14,8 @@ use super::{NodeError, clock, mapping};
 use crate::msg::{
     Bonds, BoundaryCommand, Clock, ContactNetwork, Cracks, DiagnosticArray, Discrepancy,
     Dissociation, Event, Fabric, GrainMotion, Hydrate, JointState, JointTrajectory, MarkerArray,
-    Moduli, PackState, PointCloud2, Rearrangement, Report, ShearCommand, ShearState, TFMessage,
-    Tangent, Topic, WallForces, WallTargets, WrenchStamped, topics,
+    Moduli, PackState, PlaneState, PointCloud2, Rearrangement, Report, ShearCommand, ShearState,
+    TFMessage, Tangent, Topic, WallForces, WallTargets, WrenchStamped, topics,
 };
 use crate::{scene, wall};
 
@@ -40,6 +40,7 @@ pub(super) struct Endpoints {
     pub fabric: Out<Fabric>,
     pub hydrate: Out<Hydrate>,
     pub shear_state: Out<ShearState>,
+    pub plane_state: Out<PlaneState>,
     pub bonds: Out<Bonds>,
     pub cracks: Out<Cracks>,
     pub rearrangements: Out<Rearrangement>,
@@ -141,6 +142,7 @@ impl Endpoints {
             fabric: Out::new(&mut node, identity, &topics::FABRIC)?,
             hydrate: Out::new(&mut node, identity, &topics::HYDRATE)?,
             shear_state: Out::new(&mut node, identity, &topics::SHEAR_STATE)?,
+            plane_state: Out::new(&mut node, identity, &topics::PLANE_STATE)?,
             bonds: Out::new(&mut node, identity, &topics::BONDS)?,
             cracks: Out::new(&mut node, identity, &topics::CRACKS)?,
             rearrangements: Out::new(&mut node, identity, &topics::REARRANGEMENTS)?,
@@ -177,6 +179,7 @@ impl Endpoints {
             self.fabric.listeners(self),
             self.hydrate.listeners(self),
             self.shear_state.listeners(self),
+            self.plane_state.listeners(self),
             self.bonds.listeners(self),
             self.cracks.listeners(self),
             self.rearrangements.listeners(self),

@@ -5,13 +5,13 @@ use std::path::Path;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
-use super::generate::generate;
+use super::generate::{GenerateError, generate};
 use super::prepare::prepare;
 use super::{
-    Constants, Grain, History, Pack, PackError, PackFile, PackRow, Texts, beside, csv, history,
-    hydrate, properties, read,
+    Constants, Grain, History, Pack, PackError, PackFile, PackRow, Texts, beside, crystal, csv,
+    discs, history, hydrate, properties, read, rescale,
 };
-use crate::scene::{self, Friction, Generate, Loaded, Material, Scene};
+use crate::scene::{self, Crystal, Friction, Generate, Loaded, Material, Scene};
 use crate::table::TableError;
 use crate::wall::Bounds;
 
@@ -31,29 +31,35 @@ pub fn build(loaded: &Loaded) -> Result<Pack, PackError> {
 /// nothing.
 pub fn unprepared(loaded: &Loaded) -> Result<Pack, PackError> {
     let source = &loaded.scene.pack;
-    let pack = match (&source.generate, &source.file) {
-        (Some(spec), _) => made(&loaded.scene, spec)?,
-        (None, Some(file)) => from_file(loaded, file)?,
-        (None, None) => return Err(PackError::NoSource),
+    let pack = match (&source.generate, &source.crystal, &source.file) {
+        (Some(spec), ..) => made(&rescale::before(&loaded.scene, &source.prepare), spec)?,
+        (None, Some(spec), _) => laid_out(&loaded.scene, spec)?,
+        (None, None, Some(file)) => from_file(loaded, file)?,
+        (None, None, None) => return Err(PackError::NoSource),
     };
     let Some(cut) = &source.cut else { return filled(loaded, pack) };
     if pack.history.is_some() {
         tracing::warn!("pack.cut drops the history of the pack: another specimen begins anew");
     }
-    let specimen = pack.cut(cut);
+    let specimen = pack.cut(cut, loaded.scene.dimension);
     if specimen.grains.is_empty() {
         return Err(PackError::EmptyCut { grains: pack.grains.len() });
     }
     filled(loaded, specimen)
 }
 
-/// A pack that was read, with the hydrate that the scene puts into it; one that was made has it.
+/// A pack with the hydrate that the scene puts into it; one that was made under a stress has it.
 fn filled(loaded: &Loaded, pack: Pack) -> Result<Pack, PackError> {
-    let Some(file) = &loaded.scene.pack.file else { return Ok(pack) };
+    let source = &loaded.scene.pack;
+    if source.generate.is_some() {
+        return Ok(pack);
+    }
     let Some(filling) = filling(&loaded.scene)? else { return Ok(pack) };
-    match pack.grains.iter().any(|grain| grain.hydrate) {
-        true => Err(PackError::TwiceHydrate { file: loaded.resolve(file) }),
-        false => Ok(hydrate::fill(&pack, &filling)),
+    match &source.file {
+        Some(file) if pack.grains.iter().any(|grain| grain.hydrate) => {
+            Err(PackError::TwiceHydrate { file: loaded.resolve(file) })
+        }
+        _ => Ok(hydrate::fill(&pack, &filling)),
     }
 }
 
@@ -73,10 +79,20 @@ fn made(scene: &Scene, spec: &Generate) -> Result<Pack, PackError> {
     let field = "pack.generate.material";
     let material = material(scene, &spec.material)
         .ok_or_else(|| PackError::UnknownMaterial { field, name: spec.material.clone() })?;
+    if scene.dimension == 2 {
+        return Ok(discs::make(scene, spec, material).map_err(GenerateError::from)?);
+    }
     let friction = scene.contact.friction.coefficient();
     let pack = generate(spec, material, &scene.walls, friction, scene.solver)?;
     let Some(filling) = filling(scene)? else { return Ok(pack) };
     Ok(hydrate::fill_at(&pack, &filling, spec.confining_stress, &scene.walls, scene.solver)?)
+}
+
+fn laid_out(scene: &Scene, spec: &Crystal) -> Result<Pack, PackError> {
+    let field = "pack.crystal.material";
+    let material = material(scene, &spec.material)
+        .ok_or_else(|| PackError::UnknownMaterial { field, name: spec.material.clone() })?;
+    Ok(crystal(spec, material, scene.contact.friction.coefficient(), scene.pack.seed))
 }
 
 fn from_file(loaded: &Loaded, file: &Path) -> Result<Pack, PackError> {

@@ -60,7 +60,9 @@ pub enum PackError {
     #[error(transparent)]
     Prepare(#[from] PrepareError),
     /// The scene names no source of grains.
-    #[error("pack: neither `generate` nor `file` is given; allowed: exactly one of them")]
+    #[error(
+        "pack: neither `generate` nor `crystal` nor `file` is given; allowed: exactly one of them"
+    )]
     NoSource,
     /// The scene names a material that it does not have.
     #[error("{field}: no material is named `{name}`; allowed: one of `materials`")]

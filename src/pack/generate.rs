@@ -74,18 +74,29 @@ pub struct GenerateError(#[from] CompactError);
 
 /// Why a pack could not be brought to a stress.
 #[derive(Debug, thiserror::Error)]
-#[error(
-    "no equilibrium at {wanted:.4e} Pa: stress {found:.4e} Pa, {status:?}, residual {residual:.1e}"
-)]
-pub struct CompactError {
-    /// Mean stress asked for \[Pa\].
-    wanted: f64,
-    /// Mean stress reached \[Pa\].
-    found: f64,
-    /// How the last relaxation ended.
-    status: Status,
-    /// Its residual.
-    residual: f64,
+pub enum CompactError {
+    /// Spheres.
+    #[error(
+        "no equilibrium at {wanted:.4e} Pa: stress {found:.4e} Pa, {status:?}, residual {residual:.1e}"
+    )]
+    Spheres {
+        /// Mean stress asked for \[Pa\].
+        wanted: f64,
+        /// Mean stress reached \[Pa\].
+        found: f64,
+        /// How the last relaxation ended.
+        status: Status,
+        /// Its residual.
+        residual: f64,
+    },
+    /// Discs.
+    #[error("no equilibrium of the discs at {wanted:.4e} Pa: {text}")]
+    Discs {
+        /// Stress asked for \[Pa\].
+        wanted: f64,
+        /// What was found.
+        text: String,
+    },
 }
 
 /// Makes the pack of `spec`; `friction` is given to every grain, the relaxation is frictionless.
@@ -100,14 +111,7 @@ pub fn generate(
     solver: Solver,
 ) -> Result<Pack, GenerateError> {
     let mut rng = Pcg64::seed_from_u64(spec.seed);
-    let grains: Vec<Grain> = (0..spec.grains)
-        .map(|_| {
-            let radius = properties::radius(spec.radius, &mut rng);
-            let (young, poisson) = properties::draw(material, &mut rng);
-            let density = material.density;
-            Grain { position: [0.0; 3], radius, young, poisson, density, friction, hydrate: false }
-        })
-        .collect();
+    let grains = draw(spec, material, friction, &mut rng);
     let mut press = Press::new(&scatter(spec, material, grains, &mut rng), walls, solver);
     press.quench();
     if !press.cool(spec.confining_stress) {
@@ -120,6 +124,22 @@ pub fn generate(
         press.compact(spec.confining_stress)?;
     }
     Ok(press.pack())
+}
+
+/// The grains of `spec`, nowhere as yet.
+pub(super) fn draw(
+    spec: &Generate,
+    material: &Material,
+    friction: f64,
+    rng: &mut Pcg64,
+) -> Vec<Grain> {
+    let grain = |_| {
+        let radius = properties::radius(spec.radius, rng);
+        let (young, poisson) = properties::draw(material, rng);
+        let density = material.density;
+        Grain { position: [0.0; 3], radius, young, poisson, density, friction, hydrate: false }
+    };
+    (0..spec.grains).map(grain).collect()
 }
 
 /// Brings `pack` to equilibrium with all three normal stresses at `stress` \[Pa\], without
@@ -180,7 +200,7 @@ impl Press {
         let solver = Solver { method: Method::Newton, max_iterations, ..solver };
         let model = Model::with(pack, walls, [0.0; 3], solver, None);
         let work = Workspace::new(&model);
-        Self { state: State::new(&model), work, walls: *walls, model }
+        Self { state: State::new(&model), work, walls: walls.clone(), model }
     }
 
     /// Pushes the scattered grains apart.
@@ -251,7 +271,8 @@ impl Press {
             }
         }
         let Outcome { status, residual, .. } = outcome;
-        Err(CompactError { wanted: target, found: self.stress().mean(), status, residual })
+        let found = self.stress().mean();
+        Err(CompactError::Spheres { wanted: target, found, status, residual })
     }
 
     /// Normal stresses \[Pa\].

@@ -5,7 +5,9 @@
 //! whether the pack was stored and read in between.
 
 use super::Pack;
+use super::discs;
 use super::generate::{CompactError, compact};
+use super::rescale::{self, rescale};
 use crate::command::{Ask, Command, Disposition, Mode, Stamp};
 use crate::report::{Demand, PackState, Report};
 use crate::scene::Scene;
@@ -90,9 +92,14 @@ pub fn prepare(
     pack: Pack,
     watch: &mut dyn FnMut(&Reached),
 ) -> Result<Pack, PrepareError> {
-    scene.pack.prepare.iter().enumerate().try_fold(pack, |pack, (index, step)| match step {
-        Step::Isotropic(step) => isotropic(scene, &pack, index, step, watch),
-        Step::Uniaxial(step) => uniaxial(scene, &pack, index, step, watch),
+    let steps = &scene.pack.prepare;
+    steps.iter().enumerate().try_fold(pack, |pack, (index, step)| {
+        let scene = &*rescale::before(scene, &steps[index + 1..]);
+        match step {
+            Step::Isotropic(step) => isotropic(scene, &pack, index, step, watch),
+            Step::Uniaxial(step) => uniaxial(scene, &pack, index, step, watch),
+            Step::Rescale(step) => Ok(rescale(&pack, *step)),
+        }
     })
 }
 
@@ -104,8 +111,11 @@ fn isotropic(
     watch: &mut dyn FnMut(&Reached),
 ) -> Result<Pack, PrepareError> {
     let confining_stress = step.confining_stress;
-    let pack = compact(pack, confining_stress, &scene.walls, scene.solver)
-        .map_err(|source| PrepareError::Isotropic { step: index, source })?;
+    let compacted = match scene.dimension {
+        2 => discs::compact(scene, pack, confining_stress),
+        _ => compact(pack, confining_stress, &scene.walls, scene.solver),
+    };
+    let pack = compacted.map_err(|source| PrepareError::Isotropic { step: index, source })?;
     watch(&Reached { step: index, strain: None, confining_stress, sliding_ratio: 0.0 });
     Ok(pack)
 }

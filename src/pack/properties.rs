@@ -6,6 +6,7 @@
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
+use super::grading;
 use crate::scene::{Material, Radius};
 
 /// Redraws before the mean is taken; half of the draws or more are within the limits.
@@ -31,6 +32,8 @@ pub fn radius(of: Radius, rng: &mut Pcg64) -> f64 {
     match of {
         Radius::Uniform([low, high]) => low + (high - low) * rng.random::<f64>(),
         Radius::Constant(radius) => radius,
+        Radius::GradingA(of) => grading::type_a(of, rng.random()),
+        Radius::GradingB(of) => grading::type_b(of, rng.random()),
     }
 }
 

@@ -3,13 +3,12 @@
 use super::boundary::{self, SIDES};
 use super::pressed::Pressed;
 use super::work::{Drive, Workspace};
-use super::{commit, contacts, crack, gauss_seidel, glue, newton};
+use super::{commit, contacts, crack, gauss_seidel, glue, loads, newton};
 use crate::contact::neighbours::Neighbours;
 use crate::model::Model;
 use crate::relax::Outcome;
 use crate::relax::advance::{
-    Advance, part_of_the_way, present, remaining_load, remaining_strain, standing_target,
-    strain_limit,
+    Advance, part_of_the_way, remaining_load, standing_target, strain_limit,
 };
 use crate::relax::jump::{Jump, Pose};
 use crate::relax::servo::Drive as Load;
@@ -37,7 +36,11 @@ pub fn settle(
     near: &mut Neighbours,
 ) -> Advance {
     work.jumps.clear();
+    loads::wrap(model, state);
     work.begin(model, state, near, true);
+    for membrane in &work.membranes {
+        state.outline[membrane.side] = membrane.position(&work.pose.at);
+    }
     work.drives.clear();
     let mut reached = Advance::at(solve(model, state, work, near));
     if reached.outcome.status.is_equilibrium() && model.plane.as_ref().is_some_and(|s| s.glue) {
@@ -84,8 +87,8 @@ pub fn advance(
     let mut so_far = Advance::at(here);
     near.refresh(model, &state.position, &state.bounds(model));
     let mut pressed = Pressed::of(model, state, near);
-    let goal = Load::of(setpoint);
-    let mut loads = present(&goal, &carried(state, model, &pressed), &state.bounds(model));
+    let goal = loads::of(model, setpoint);
+    let mut loads = loads::present(model, &goal, &carried(state, model, &pressed), state);
     loop {
         let target = standing_target(setpoint, state);
         if state.displacement == target
@@ -96,7 +99,8 @@ pub fn advance(
             return so_far;
         }
         let limit = strain_limit(model, &so_far.outcome);
-        let way = remaining_strain(model, state, &target).max((tilt - state.tilt).abs()) / limit;
+        let way =
+            loads::remaining_strain(model, state, &target).max((tilt - state.tilt).abs()) / limit;
         let load = remaining_load(model, &loads, &goal, &so_far.outcome) / limit.max(LOAD_STRAIN);
         let parts = (way.max(load) * (1.0 - ROUNDING)).ceil().max(1.0);
         let mut share = 1.0 / parts;
@@ -106,8 +110,12 @@ pub fn advance(
             work.jumps.clear();
             work.begin(model, state, near, false);
             let aim = part_of_the_way(&loads, &goal, share);
+            let moved = move_walls(model, state, work, (&target, tilt), share);
+            loads::press(model, state, work, &aim);
             set_drives(work, &aim, state, model, pressed.drag);
-            move_walls(model, state, work, (&target, tilt), share);
+            if moved || !work.drives.is_empty() {
+                newton::predict(model, state, work, near);
+            }
             let outcome = solve(model, state, work, near);
             so_far.outcome = outcome;
             so_far.iterations += outcome.iterations;
@@ -132,6 +140,7 @@ pub fn advance(
         let next = Pressed::of(model, state, near);
         let worked = state.wall_work;
         state.wall_work += Pressed::work((&last, &pressed), (state, &next));
+        state.wall_work += loads::membrane_work(&last, work);
         pressed = next;
         if let Some(jump) = work.jumps.last_mut() {
             // What is neither stored nor lost by slip was lost in the jump.
@@ -139,11 +148,16 @@ pub fn advance(
             jump.energy_before = jump.energy_after + (state.wall_work - worked) - (stored - had);
         }
         so_far.jumps.append(&mut work.jumps);
+        let cracks = so_far.cracks.len();
         if !break_bonds(model, state, work, near, &mut so_far, &mut pressed) {
             state.copy_from(&start);
             so_far.jumps.clear();
             so_far.cracks.clear();
             return so_far;
+        }
+        if so_far.cracks.len() > cracks && !goal.is_empty() {
+            // The loads that the walls lost are asked for anew.
+            loads = loads::present(model, &goal, &carried(state, model, &pressed), state);
         }
     }
 }
@@ -156,7 +170,8 @@ fn carried(state: &State, model: &Model, pressed: &Pressed) -> [f64; wall::COUNT
         let mut shares = [0.0; SIDES];
         shares[side] = 1.0;
         let leaning = leaning(&shares, pressed.drag, state.tilt, &state.bounds(model));
-        *to = pressed.sides[side] - leaning;
+        let membrane = model.plane.as_ref().is_some_and(|setup| setup.cell.is_membrane(side));
+        *to = if membrane { pressed.normal[side] } else { pressed.sides[side] - leaning };
     }
     carried
 }
@@ -174,26 +189,29 @@ fn leaning(shares: &[f64; SIDES], drag: [f64; 2], tilt: f64, bounds: &Bounds) ->
 /// Turns the loads of walls into drives of the sides, with the areas of `state` and the shear forces
 /// `drag` of the y sides \[N\].
 fn set_drives(work: &mut Workspace, loads: &[Load], state: &State, model: &Model, drag: [f64; 2]) {
-    let bounds = state.bounds(model);
     work.drives.clear();
-    work.drives.extend(loads.iter().filter(|load| load.axis < 2).map(|load| {
+    let bounds = state.bounds(model);
+    let Some(setup) = &model.plane else { return };
+    let driven = loads.iter().filter(|load| !setup.cell.is_membrane(loads::side(load)));
+    work.drives.extend(driven.map(|load| {
         let mut shares = [0.0; SIDES];
         shares[2 * load.axis..2 * load.axis + 2].copy_from_slice(&load.shares);
         // Both walls of a pair carry the load each; together they move by the way of the drive.
-        let force = load.goal(&bounds) + leaning(&shares, drag, state.tilt, &bounds);
+        let area = model.wall_area(loads::side(load), &state.displacement);
+        let force = load.load.force(area) + leaning(&shares, drag, state.tilt, &bounds);
         Drive { shares, force, load: load.load }
     }));
 }
 
 /// Moves the standing walls, and tilts the box, by `share` of what is left to `target`, the grains
-/// affinely with them.
+/// affinely with them. Says whether anything moved.
 fn move_walls(
     model: &Model,
     state: &mut State,
     work: &mut Workspace,
     (target, tilt): (&[f64; wall::COUNT], f64),
     share: f64,
-) {
+) -> bool {
     let bounds = state.bounds(model);
     let mut ways = [0.0; SIDES];
     for (w, (now, target)) in state.displacement.iter_mut().zip(target).enumerate() {
@@ -213,13 +231,13 @@ fn move_walls(
         *at += boundary::sheared(model, more, *at);
     }
     state.tilt = next;
-    if work.drives.is_empty() && ways == [0.0; SIDES] && more == 0.0 {
-        return;
+    let moved = ways != [0.0; SIDES] || more != 0.0;
+    if moved {
+        let before = work.bodies.clone();
+        boundary::bodies(model, &state.displacement, state.tilt, &mut work.bodies);
+        glue::place(&state.glued, &before, &work.bodies, &mut work.pose);
     }
-    let before = work.bodies.clone();
-    boundary::bodies(model, &state.displacement, state.tilt, &mut work.bodies);
-    glue::place(&state.glued, &before, &work.bodies, &mut work.pose);
-    newton::predict(model, state, work);
+    moved
 }
 
 /// Relaxes until loads, limits of friction and open contacts are what they shall be.
@@ -232,6 +250,7 @@ fn solve(model: &Model, state: &mut State, work: &mut Workspace, near: &mut Neig
     for at in before.position.iter_mut().zip(&work.pose.at) {
         (at.0.x, at.0.y) = (at.1.x, at.1.y);
     }
+    work.follow(model, state);
     let mut concave = false;
     let mut virial: Option<f64> = None;
     let mut renewals = 0;
@@ -251,7 +270,8 @@ fn solve(model: &Model, state: &mut State, work: &mut Workspace, near: &mut Neig
             return outcome;
         }
         let opened = newton::open(model, state, work);
-        let loaded = renew_loads(model, state, work);
+        let bent = work.follow(model, state);
+        let loaded = renew_loads(model, state, work) || bent;
         let limited = current && renewals < RENEWALS && renew_limits(model, state, work);
         renewals += 1;
         if !(opened || loaded || limited) {
@@ -276,7 +296,7 @@ fn renew_loads(model: &Model, state: &State, work: &mut Workspace) -> bool {
     let mut changed = false;
     for drive in &mut work.drives {
         let side = drive.shares.iter().position(|share| *share != 0.0).unwrap_or(0);
-        let load = drive.load.force(bounds.area(side));
+        let load = drive.load.force(model.wall_area(side, &state.displacement));
         let force = load + leaning(&drive.shares, work.balance.drag, state.tilt, &bounds);
         changed |= (force - drive.force).abs() > SETTLED * load;
         drive.force = force;
@@ -306,7 +326,7 @@ fn jump(
     if grains.is_empty() {
         return None;
     }
-    let volume = 2.0 * state.bounds(model).volume();
+    let volume = 2.0 * state.volume(model);
     let mut after = Pose::default();
     after.copy(state);
     Some(Jump {
@@ -351,7 +371,9 @@ fn break_bonds(
         let changes = commit::commit(model, state, work);
         so_far.count(changes);
         let has = outcome.sums.energy + ledger(state);
-        let released = had - has - work.jumps.iter().map(Jump::released).sum::<f64>();
+        let worked: f64 = work.membranes.iter().map(|m| m.work(&work.pose.at, m.pressure)).sum();
+        state.wall_work += worked;
+        let released = had + worked - has - work.jumps.iter().map(Jump::released).sum::<f64>();
         state.friction.broken += released;
         near.refresh(model, &state.position, &state.bounds(model));
         let end = crack::Ends::of(model, state, &contacts::of(model, state, near), &crack);

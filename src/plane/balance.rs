@@ -3,6 +3,7 @@
 use super::boundary::{Body, SIDES, Shape};
 use super::law::{self, Answer};
 use super::matrix::{Block, FREEDOMS, Matrix};
+use super::membrane::Membrane;
 use super::reference::{Joint, Reference};
 use super::{Setup, Vec2, glue, left_of};
 use crate::contact::Other;
@@ -10,6 +11,9 @@ use crate::heap;
 use crate::model::Model;
 use crate::relax::balance::Sums;
 use crate::wall;
+
+/// Tangent of an angle below which its series is exact.
+const SMALL: f64 = 0.05;
 
 /// Where the grains are.
 #[derive(Clone, Debug, Default)]
@@ -81,6 +85,8 @@ pub struct Scenery<'a> {
     pub reference: &'a Reference,
     /// What surrounds the grains.
     pub bodies: &'a [Body],
+    /// Membranes around them.
+    pub membranes: &'a [Membrane],
     /// Grains that take part.
     pub carries: &'a [bool],
     /// The side that each grain sticks to ([`glue`]); empty where none does.
@@ -142,7 +148,7 @@ impl Scenery<'_> {
                         + joint.arm[0] * body.swing.turn;
                     act.slide(joint, station - joint.station - rolled, 1.0, self.goes_on);
                 }
-                Shape::Disc(_) | Shape::Ring(_) => {
+                Shape::Disc(_) | Shape::Ring(_) | Shape::Nothing => {
                     let way = joint.span * angle(&joint.along, &near.along);
                     let pitch = joint.span / near.distance;
                     act.slide(joint, way - rolled, pitch, self.goes_on);
@@ -154,6 +160,34 @@ impl Scenery<'_> {
 }
 
 impl Act {
+    /// Where the contact has turned round since the derivative was taken last, from sliding one way to
+    /// sliding the other, takes its secant: steps would go on passing the narrow range in which it
+    /// sticks. The secant is that of the parabola around where it has no shear, which bounds its energy.
+    #[inline]
+    fn turn(&mut self, joint: &Joint, (way, times): &mut (i8, u8)) {
+        let now = match self.slides {
+            true => {
+                if self.shear.force > 0.0 {
+                    1
+                } else {
+                    -1
+                }
+            }
+            false => 0,
+        };
+        if now * *way < 0 {
+            *times = TURNED;
+        }
+        if now != 0 {
+            *way = now;
+        }
+        if *times > 0 && now != 0 && joint.shear.stiffness > 0.0 {
+            let free = self.slid + joint.shear.carried / joint.shear.stiffness;
+            self.shear.stiffness = self.shear.force / free;
+            *times -= 1;
+        }
+    }
+
     #[inline]
     fn pressing(along: Vec2, distance: f64, sign: f64, overlap: f64, normal: Answer) -> Self {
         let shear = Answer::default();
@@ -174,7 +208,15 @@ impl Act {
 /// Angle from `from` to `to` \[rad\].
 #[inline]
 fn angle(from: &Vec2, to: &Vec2) -> f64 {
-    from.perp(to).atan2(from.dot(to))
+    let (across, along) = (from.perp(to), from.dot(to));
+    if across.abs() >= SMALL * along {
+        return across.atan2(along);
+    }
+    // The series of the arc tangent, exact to the last bits here and much faster.
+    let x = across / along;
+    let square = x * x;
+    let rest = 1.0 / 7.0 - square * (1.0 / 9.0 - square * (1.0 / 11.0 - square / 13.0));
+    x * (1.0 - square * (1.0 / 3.0 - square * (1.0 / 5.0 - square * rest)))
 }
 
 /// Energy and gradient at one configuration.
@@ -194,6 +236,13 @@ pub struct Balance {
     pub sums: Sums,
     /// Potential of shear since the reference \[J\].
     pub shear_potential: f64,
+    /// Contacts of each grain that carry more than a faint force, those that hold by a bond twice, shape
+    /// (n).
+    pub support: Vec<u32>,
+    /// Force below which a contact is faint \[N\].
+    pub faint: f64,
+    /// Potential of the membranes \[J\]; not of what the pack stores.
+    pub pressure_potential: f64,
     /// How often the balance was taken.
     pub evaluations: u64,
 }
@@ -201,20 +250,26 @@ pub struct Balance {
 impl Balance {
     /// Takes the balance of `pose`.
     pub fn evaluate(&mut self, scenery: &Scenery<'_>, pose: &Pose) {
-        let Scenery { model, setup, reference, bodies, carries, .. } = scenery;
+        let Scenery { model, setup, reference, bodies, membranes, carries, .. } = scenery;
         self.evaluations += 1;
         self.gradient.clear();
         self.gradient.resize(FREEDOMS * pose.at.len(), 0.0);
+        self.support.clear();
+        self.support.resize(pose.at.len(), 0);
         self.sides = [0.0; SIDES];
         (self.tilt, self.drag) = (0.0, [0.0; 2]);
         self.sums = Sums::NONE;
         self.shear_potential = 0.0;
+        self.pressure_potential = 0.0;
         for joint in &reference.pairs {
             let Some(act) = scenery.pair(joint, pose) else { continue };
             let Other::Grain(j) = joint.second else { continue };
             let force = act.force();
             self.add(model, joint.first, -force, -joint.arm[0] * act.shear.force);
             self.add(model, j, force, -joint.arm[1] * act.shear.force);
+            let holds = self.holds(joint, &act);
+            self.support[joint.first as usize] += holds;
+            self.support[j as usize] += holds;
             self.count(&act);
         }
         for joint in &reference.edges {
@@ -225,7 +280,14 @@ impl Balance {
             self.press(body, Self::pressed(&act, body), act.force());
             let station = (pose.at[joint.first as usize] - body.at).dot(&left_of(act.along));
             self.tilt += Self::tilted(&act, body, station, joint.arm[0]);
+            self.support[joint.first as usize] += self.holds(joint, &act);
             self.count(&act);
+        }
+        for membrane in *membranes {
+            membrane.add_gradient(pose, &mut self.gradient);
+            // A membrane holds what it presses on.
+            membrane.chain.iter().for_each(|&grain| self.support[grain as usize] += 2);
+            self.pressure_potential += membrane.potential(pose);
         }
         let gravity = Vec2::new(model.gravity.x, model.gravity.y);
         if model.has_gravity() {
@@ -239,6 +301,10 @@ impl Balance {
         if !setup.turns {
             self.gradient.iter_mut().skip(2).step_by(FREEDOMS).for_each(|turn| *turn = 0.0);
         }
+    }
+
+    fn holds(&self, joint: &Joint, act: &Act) -> u32 {
+        if joint.bonded { 2 } else { u32::from(act.normal.force > self.faint) }
     }
 
     /// What `act` presses the side of `body` with, along its inward displacement \[N\].
@@ -289,7 +355,7 @@ impl Balance {
         }
     }
 
-    /// Potential of everything \[J\].
+    /// Potential of the pack \[J\].
     #[must_use]
     pub fn potential(&self) -> f64 {
         self.sums.energy + self.shear_potential
@@ -305,37 +371,55 @@ pub struct Slope {
     pub columns: [Vec<f64>; SIDES],
     /// ∂²(potential)/∂(displacement)² of each side \[N/m\].
     pub corner: [f64; SIDES],
+    /// Which way each joint slid when the derivative was taken last, pairs and then edges, and for how
+    /// many times more it counts as one that turned round.
+    slides: Vec<(i8, u8)>,
     /// Stiffness of what is not solved for, so that it stays where it is \[N/m\].
     pub idle: f64,
 }
 
+/// Times that a contact is taken by its secant after it turned round.
+const TURNED: u8 = 4;
+
 impl Slope {
-    /// Takes the derivative at `pose`.
-    pub fn assemble(&mut self, scenery: &Scenery<'_>, pose: &Pose) {
-        let Scenery { model, setup, reference, bodies, carries, .. } = scenery;
+    /// A search begins: no contact has turned round in it.
+    pub(super) fn begin(&mut self) {
+        self.slides.clear();
+    }
+
+    /// Takes the derivative at `pose`, or with `convex` what is positive in it contact by contact: no
+    /// contact then pushes its grains aside.
+    pub fn assemble(&mut self, scenery: &Scenery<'_>, pose: &Pose, convex: bool) {
+        let Scenery { model, setup, reference, bodies, membranes, carries, .. } = scenery;
         self.matrix.clear();
         self.corner = [0.0; SIDES];
         for column in &mut self.columns {
             column.clear();
             column.resize(FREEDOMS * pose.at.len(), 0.0);
         }
-        for (joint, block) in reference.pairs.iter().zip(&mut self.matrix.pairs) {
-            let Some(act) = scenery.pair(joint, pose) else { continue };
+        let mut slides = std::mem::take(&mut self.slides);
+        slides.resize(reference.pairs.len() + reference.edges.len(), (0, 0));
+        let (of_pairs, of_edges) = slides.split_at_mut(reference.pairs.len());
+        let rows = reference.pairs.iter().zip(&mut self.matrix.pairs).zip(of_pairs);
+        for ((joint, block), slides) in rows {
+            let Some(mut act) = scenery.pair(joint, pose) else { continue };
+            act.turn(joint, slides);
             let Other::Grain(j) = joint.second else { continue };
             let (i, j) = (joint.first as usize, j as usize);
-            let parts = Parts::of(&act);
+            let parts = Parts::of(&act, convex);
             let lever = [joint.arm[0] / model.radius[i], joint.arm[1] / model.radius[j]];
             let [own, mixed, other] = parts.blocks(lever, setup.turns);
             add(&mut self.matrix.diagonal[i], &own);
             add(&mut self.matrix.diagonal[j], &other);
             *block = mixed;
         }
-        for joint in &reference.edges {
-            let Some(act) = scenery.edge(joint, pose) else { continue };
+        for (joint, slides) in reference.edges.iter().zip(of_edges) {
+            let Some(mut act) = scenery.edge(joint, pose) else { continue };
+            act.turn(joint, slides);
             let Other::Wall(b) = joint.second else { continue };
             let body = &bodies[b as usize];
             let i = joint.first as usize;
-            let mut parts = Parts::of(&act);
+            let mut parts = Parts::of(&act, convex);
             if joint.is_flat(bodies) {
                 parts.flat();
             }
@@ -347,6 +431,14 @@ impl Slope {
             let to = &mut self.columns[side][FREEDOMS * i..FREEDOMS * (i + 1)];
             to.iter_mut().zip(column).for_each(|(to, x)| *to += x);
             self.corner[side] += corner;
+        }
+        self.slides = slides;
+        let Matrix { diagonal, pairs, .. } = &mut self.matrix;
+        let mut links = &mut pairs[reference.pairs.len()..];
+        for membrane in *membranes {
+            let (own, rest) = std::mem::take(&mut links).split_at_mut(membrane.links().count());
+            membrane.add_slope(diagonal, own);
+            links = rest;
         }
         for (block, carries) in self.matrix.diagonal.iter_mut().zip(*carries) {
             // What is not solved for stays.
@@ -374,7 +466,7 @@ struct Parts {
 
 impl Parts {
     #[inline]
-    fn of(act: &Act) -> Self {
+    fn of(act: &Act, convex: bool) -> Self {
         let e = act.along;
         let t = left_of(e);
         let shear = act.shear.stiffness;
@@ -383,6 +475,7 @@ impl Parts {
         // ∇²h = -sign t tᵀ/d and ∇²u = -pitch (e tᵀ + t eᵀ)/d.
         let bend = -act.sign * act.normal.force / act.distance;
         let swing = -act.shear.force * act.pitch / act.distance;
+        let (bend, swing) = if convex { (bend.max(0.0), 0.0) } else { (bend, swing) };
         let mut push = [[0.0; 2]; 2];
         for a in 0..2 {
             for b in 0..2 {
@@ -465,8 +558,13 @@ fn add(to: &mut Block, block: &Block) {
 }
 
 impl Slope {
-    /// Adds the product of the derivative over the grains with `of` to `to`.
-    pub(super) fn multiply(&self, of: &[f64], reference: &Reference, to: &mut [f64]) {
+    /// Adds the product of the derivative over the grains with `of`, three numbers a grain, to `to`.
+    pub fn multiply(
+        &self,
+        of: &[f64],
+        (reference, links): (&Reference, &[(u32, u32)]),
+        to: &mut [f64],
+    ) {
         for (i, block) in self.matrix.diagonal.iter().enumerate() {
             for (a, row) in block.iter().enumerate() {
                 for (b, entry) in row.iter().enumerate() {
@@ -474,9 +572,13 @@ impl Slope {
                 }
             }
         }
-        for (joint, block) in reference.pairs.iter().zip(&self.matrix.pairs) {
-            let Other::Grain(j) = joint.second else { continue };
-            let (i, j) = (FREEDOMS * joint.first as usize, FREEDOMS * j as usize);
+        let pairs = reference.pairs.iter().filter_map(|joint| match joint.second {
+            Other::Grain(j) => Some((joint.first, j)),
+            Other::Wall(_) => None,
+        });
+        let links = links.iter().map(|&(i, j)| (i.min(j), i.max(j)));
+        for ((i, j), block) in pairs.chain(links).zip(&self.matrix.pairs) {
+            let (i, j) = (FREEDOMS * i as usize, FREEDOMS * j as usize);
             for (a, row) in block.iter().enumerate() {
                 for (b, entry) in row.iter().enumerate() {
                     to[i + a] += entry * of[j + b];
@@ -490,7 +592,7 @@ impl Slope {
 /// Block of one grain for one contact; `lever` over the radius is negative for the other grain of a
 /// pair, which sees everything but turns the other way round.
 pub(super) fn own_block(act: &Act, lever: f64, flat: bool, turns: bool) -> Block {
-    let mut parts = Parts::of(act);
+    let mut parts = Parts::of(act, false);
     if flat {
         parts.flat();
     }

@@ -3,8 +3,8 @@
 use super::boundary::{self, Body};
 use super::{Vec2, glue, law};
 use crate::Vec3;
-use crate::contact::Other;
 use crate::contact::neighbours::Neighbours;
+use crate::contact::{Other, hertz};
 use crate::measure::contacts::{AT_LIMIT, Contact, Contacts};
 use crate::model::Model;
 use crate::state::{Condition, State};
@@ -69,7 +69,9 @@ pub(super) fn with_bodies(
             if !touches {
                 continue;
             }
-            let force = law::normal(setup.law, near.wall_modulus[i], touch.overlap, false).force;
+            let compliance = model.compliance[i] + model.wall_compliance;
+            let modulus = hertz::modulus(body.effective_radius(model.radius[i]), compliance);
+            let force = law::normal(setup.law, modulus, touch.overlap, false).force;
             let normal = touch.along * touch.sign;
             let lever = model.radius[i] - touch.overlap;
             let normal = Vec3::new(normal.x, normal.y, 0.0);
@@ -128,7 +130,7 @@ fn bare(
     }
 }
 
-/// Normal force on each wall \[N\]; the z walls of a pack of discs carry none.
+/// Force on each side against its inward displacement \[N\], its normal force; the z walls of a pack of discs carry none.
 #[must_use]
 pub fn normal_forces(model: &Model, state: &State, near: &Neighbours) -> [f64; wall::COUNT] {
     super::pressed::Pressed::of(model, state, near).normal

@@ -1,7 +1,7 @@
 //! Grains that cannot carry load: they are kept where they are and left out of the balance, until what
 //! moves around them leaves them no room.
 
-use super::balance::{Pose, Scenery};
+use super::balance::Pose;
 use super::reference::Joint;
 use super::work::Workspace;
 use super::{Vec2, glue};
@@ -11,6 +11,8 @@ use crate::state::State;
 
 /// Contacts below this share of the mean force hold nobody.
 const FAINT: f64 = 1e-7;
+/// Contacts that a grain needs: without friction two forces balance only face to face.
+const SUPPORTS: u32 = 2;
 /// Sweeps in which floating grains are moved out of others, and the overlap that may be left over the
 /// mean radius.
 const SWEEPS: u32 = 60;
@@ -21,8 +23,6 @@ const CLEAR: f64 = 1e-9;
 /// Scratch: who holds whom.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Floating {
-    /// Contacts of each grain, shape (n).
-    support: Vec<u32>,
     /// Grains that came back during this search and are not dropped again, shape (n).
     back: Vec<bool>,
     /// Joints of floating grains: number among the pairs, or beyond them among the edges.
@@ -37,54 +37,25 @@ impl Floating {
     }
 
     pub(super) fn heap_bytes(&self) -> usize {
-        crate::heap::bytes(&self.support)
-            + crate::heap::bytes(&self.back)
-            + crate::heap::bytes(&self.joints)
+        crate::heap::bytes(&self.back) + crate::heap::bytes(&self.joints)
     }
 }
 
 /// Takes the grains out of the balance that fewer than two contacts touch, and those that come to lack
 /// them then. Says whether there were any.
 pub(super) fn drop_loose(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
-    let Some(setup) = &model.plane else { return false };
     if model.has_gravity() {
         return false;
     }
+    work.balance.faint = (FAINT * work.balance.sums.mean_force()).max(work.negligible);
     let mut dropped = false;
-    let least = FAINT * work.balance.sums.mean_force();
-    // Without friction two forces balance only face to face.
-    let needed = 2;
     loop {
-        let Workspace { reference, bodies, pose, floating, .. } = work;
-        floating.support.clear();
-        floating.support.resize(model.len(), 0);
-        let scenery = Scenery {
-            model,
-            setup,
-            reference,
-            bodies,
-            carries: &state.carries,
-            glued: &state.glued,
-            goes_on: false,
-        };
-        for joint in &reference.pairs {
-            let Some(act) = scenery.pair(joint, pose) else { continue };
-            let Other::Grain(j) = joint.second else { continue };
-            if joint.bonded || act.normal.force > least {
-                let holds = if joint.bonded { needed } else { 1 };
-                floating.support[joint.first as usize] += holds;
-                floating.support[j as usize] += holds;
-            }
-        }
-        for joint in &reference.edges {
-            let Some(act) = scenery.edge(joint, pose) else { continue };
-            floating.support[joint.first as usize] += u32::from(act.normal.force > least);
-        }
+        let Workspace { balance, floating, .. } = work;
         let mut more = false;
-        for i in 0..model.len() {
+        for (i, carries) in state.carries.iter_mut().enumerate() {
             let free = !floating.back[i] && glue::side(&state.glued, i).is_none();
-            if state.carries[i] && free && floating.support[i] < needed {
-                state.carries[i] = false;
+            if *carries && free && balance.support[i] < SUPPORTS {
+                *carries = false;
                 more = true;
             }
         }
@@ -92,6 +63,8 @@ pub(super) fn drop_loose(model: &Model, state: &mut State, work: &mut Workspace)
             return dropped;
         }
         dropped = true;
+        // Without them others may lack support.
+        work.evaluate(model, state);
     }
 }
 

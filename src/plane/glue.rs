@@ -115,7 +115,8 @@ pub(super) fn add_columns(
             };
             ways.extend([way.x, way.y, 0.0]);
         }
-        slope.multiply(&ways, reference, column);
+        // Membranes, whose links these would be, have no glue.
+        slope.multiply(&ways, (reference, &[]), column);
     }
     slope.columns = columns;
 }

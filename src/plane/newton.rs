@@ -8,15 +8,17 @@
 //! H v = -g - C e,    (S - C·H⁻¹C) e = -(Γ - C·H⁻¹g)
 //! ```
 //!
-//! Where H is not positive definite the pack is on its way to another minimum: a shift of the diagonal
-//! then keeps steps downhill (Levenberg), and each is cut to a length that grains cannot jump over each
-//! other with (B 2.4, "truncate").
+//! Where H is not positive definite the pack is on its way to another minimum. Then what is positive in it
+//! takes its place for a few steps: without the parts by which contacts push their grains aside every
+//! step goes downhill. Each is cut to a length with which grains cannot jump over each other (B 2.4,
+//! "truncate").
 
 use nalgebra::{SMatrix, SVector};
 
 use super::balance::{Balance, Pose, Scenery};
 use super::boundary::{self, SIDES};
 use super::matrix::FREEDOMS;
+use super::membrane::Membrane;
 use super::reference::Joint;
 use super::work::{Drive, Workspace};
 use super::{DRIVES, Vec2, floating, glue};
@@ -36,6 +38,10 @@ const LARGEST_STRAIN: f64 = 0.01;
 const LEAST_SHIFT: f64 = 1e-7;
 const GROWTH: f64 = 10.0;
 const MOST_SHIFT: f64 = 1e3;
+/// The same for the convex part, over the least; and steps for which it is taken where the whole is not
+/// positive.
+const CONVEX_SHIFT: f64 = 100.0;
+const WAIT: u32 = 3;
 /// Share of the first slope along a step that may be left where it ends.
 const FLAT: f64 = 0.5;
 /// Most configurations that are looked at along one step.
@@ -45,8 +51,10 @@ const LOOKS: u32 = 25;
 const MOST_STEPS: u32 = 5000;
 /// Residual below which contacts that are open stay open.
 const NEAR: f64 = 1e-5;
-/// Steps without a smaller residual after which rounding is what is left.
-const PATIENCE: u32 = 12;
+/// Steps without a smaller residual after which rounding is what is left, and the residual from which on
+/// that may be so.
+const ROUNDED: f64 = 1e-6;
+const PATIENCE: u32 = 30;
 
 /// Scratch of a search.
 #[derive(Clone, Debug, Default)]
@@ -62,9 +70,11 @@ pub(super) struct Search {
     response: [Vec<f64>; DRIVES],
     /// Way of each drive \[m\].
     way: [f64; DRIVES],
-    /// Shift of the diagonal \[N/m\], and whether it had to be more than the least.
+    /// Whether the step at hand is that of the convex part, and for how many steps more that is taken.
+    convex: bool,
+    waits: u32,
+    /// Shift of the last step beside membranes, where it had to be more than the least \[N/m\].
     shift: f64,
-    shifted: bool,
     /// Whether the pack was met where it is no minimum.
     pub(super) concave: bool,
 }
@@ -93,7 +103,11 @@ pub(super) fn unit_force(model: &Model, work: &Workspace) -> f64 {
         drive.force * 2.0 * model.mean_radius / length
     };
     let loads = work.drives.iter().map(load).fold(0.0, f64::max);
-    sums.mean_force().max(weight).max(loads).max(model.least_force).max(f64::MIN_POSITIVE)
+    let presses =
+        |membrane: &Membrane| membrane.pressure * membrane.depth * 2.0 * model.mean_radius;
+    let loads = work.membranes.iter().map(presses).fold(loads, f64::max);
+    let least = model.least_force.max(work.negligible);
+    sums.mean_force().max(weight).max(loads).max(least).max(f64::MIN_POSITIVE)
 }
 
 fn heaviest(model: &Model) -> f64 {
@@ -104,7 +118,8 @@ fn heaviest(model: &Model) -> f64 {
 /// over the mean contact force.
 pub(super) fn residual(model: &Model, work: &Workspace) -> f64 {
     let walls = work.unbalance(&work.balance).iter().fold(0.0_f64, |most, f| most.max(f.abs()));
-    largest(&work.balance).max(walls) / unit_force(model, work)
+    let unbalanced = largest(&work.balance).max(walls);
+    if unbalanced <= model.rounding_force { 0.0 } else { unbalanced / unit_force(model, work) }
 }
 
 /// Relaxes `state` from where it is; the pose and the reference are those of `work`.
@@ -117,9 +132,10 @@ pub(super) fn relax(
     let tolerance = model.solver.tolerance;
     let mut outcome = Outcome { status: Status::MaxIterations, ..Outcome::NONE };
     let (mut best, mut worse) = (f64::INFINITY, 0);
-    (work.search.shift, work.search.shifted) = (0.0, false);
+    (work.search.convex, work.search.waits, work.search.shift) = (false, 0, 0.0);
     work.search.concave = false;
     work.floating.begin(model.len());
+    work.slope.begin();
     work.refresh(model, state, near);
     work.evaluate(model, state);
     for iteration in 0..=model.solver.max_iterations.unwrap_or(MOST_STEPS) {
@@ -130,23 +146,29 @@ pub(super) fn relax(
             outcome.status = Status::NonFinite;
             return outcome;
         }
-        if outcome.residual <= tolerance && !work.search.shifted {
+        if outcome.residual <= tolerance && !work.search.convex {
             if floating::rejoin(model, state, work) {
                 work.refresh(model, state, near);
                 work.evaluate(model, state);
                 (best, worse) = (f64::INFINITY, 0);
                 continue;
             }
-            let none = work.balance.sums.contacts == 0;
+            let none = work.balance.sums.mean_force() <= work.negligible;
             outcome.status = if none { Status::Unjammed } else { Status::Converged };
+            return outcome;
+        }
+        if outcome.residual <= tolerance && worse > PATIENCE {
+            // In balance, but on a ridge.
+            outcome.status = Status::Unstable;
             return outcome;
         }
         if outcome.residual < best {
             (best, worse) = (outcome.residual, 0);
         } else {
-            worse += 1;
+            // On the way down from where there is no minimum residuals grow.
+            worse += u32::from(!work.search.convex);
             // Far from a minimum residuals may rise for long.
-            if worse > PATIENCE && best < 1e-6 {
+            if worse > PATIENCE && best < ROUNDED {
                 outcome.status = Status::Stalled;
                 return outcome;
             }
@@ -156,13 +178,17 @@ pub(super) fn relax(
         let opened = outcome.residual < NEAR && open(model, state, work);
         if floating::rejoin(model, state, work) || dropped || opened {
             work.evaluate(model, state);
+            // Another balance: the way down begins anew.
+            (best, worse) = (f64::INFINITY, 0);
         }
-        if !step(model, state, work) || !go(model, state, work) {
+        if !step(model, state, work, near, outcome.residual) || !go(model, state, work) {
             outcome.status = Status::Unstable;
             return outcome;
         }
-        work.refresh(model, state, near);
-        work.evaluate(model, state);
+        if work.refresh(model, state, near) {
+            work.slope.begin();
+            work.evaluate(model, state);
+        }
     }
     outcome
 }
@@ -192,38 +218,78 @@ pub(super) fn overlap(model: &Model, state: &State, work: &Workspace, joint: &Jo
 /// Stiffness of a typical contact \[N/m\].
 fn stiffness(work: &Workspace) -> f64 {
     let sums = &work.balance.sums;
-    if sums.overlap > 0.0 { 1.5 * sums.force / sums.overlap } else { work.slope.idle }
-}
-
-/// Finds the step from the pose. Says whether there is one.
-fn step(model: &Model, state: &State, work: &mut Workspace) -> bool {
-    assemble(model, state, work, false);
-    let unit = stiffness(work);
-    let least = LEAST_SHIFT * unit;
-    let mut shift = (work.search.shift / (GROWTH * GROWTH)).max(least);
-    loop {
-        work.search.shift = shift;
-        work.search.shifted = shift > least;
-        if work.slope.matrix.factorise(shift) && solve(state, work, shift) {
-            return true;
-        }
-        work.search.concave = true;
-        shift *= GROWTH;
-        if shift > MOST_SHIFT * unit {
-            return false;
-        }
+    match sums.mean_force() > work.negligible {
+        true => 1.5 * sums.force / sums.overlap,
+        false => work.slope.idle,
     }
 }
 
+/// Finds the step from the pose. Says whether there is one.
+fn step(
+    model: &Model,
+    state: &State,
+    work: &mut Workspace,
+    near: &Neighbours,
+    residual: f64,
+) -> bool {
+    let unit = stiffness(work);
+    let least = LEAST_SHIFT * unit;
+    work.search.convex = false;
+    if work.search.waits == 0 || residual < NEAR {
+        assemble(model, state, work, near, false);
+        if work.slope.matrix.factorise(least) && solve(state, work, least) {
+            work.search.shift = 0.0;
+            return true;
+        }
+        work.search.concave = true;
+        work.search.waits = WAIT;
+    }
+    work.search.waits -= work.search.waits.min(1);
+    // What membranes do has no convex part: there the whole is shifted until it is positive.
+    work.search.convex = work.membranes.is_empty();
+    let first = if work.search.convex { CONVEX_SHIFT * least } else { GROWTH * least };
+    let mut shift = first.max(work.search.shift / (GROWTH * GROWTH));
+    assemble(model, state, work, near, false);
+    work.search.convex = true;
+    while shift <= MOST_SHIFT * unit {
+        if work.slope.matrix.factorise(shift) && solve(state, work, shift) {
+            work.search.shift = if work.membranes.is_empty() { 0.0 } else { shift };
+            return true;
+        }
+        shift *= GROWTH;
+    }
+    false
+}
+
 /// Takes the derivative at the pose; `goes_on` as [`Scenery`] has it.
-pub(super) fn assemble(model: &Model, state: &State, work: &mut Workspace, goes_on: bool) {
+pub(super) fn assemble(
+    model: &Model,
+    state: &State,
+    work: &mut Workspace,
+    near: &Neighbours,
+    goes_on: bool,
+) {
     let Some(setup) = &model.plane else { return };
-    let Workspace { reference, bodies, slope, pose, .. } = work;
+    let Workspace { reference, bodies, membranes, slope, pose, search, .. } = work;
     let carries = &state.carries;
+    let convex = search.convex;
     slope.assemble(
-        &Scenery { model, setup, reference, bodies, carries, glued: &state.glued, goes_on },
+        &Scenery {
+            model,
+            setup,
+            reference,
+            bodies,
+            membranes,
+            carries,
+            glued: &state.glued,
+            goes_on,
+        },
         pose,
+        convex,
     );
+    if work.lacks_pairs() {
+        work.couple(near);
+    }
     let bounds = state.bounds(model);
     for (k, drive) in work.drives.iter().enumerate() {
         let carried = &mut work.search.carried[k];
@@ -238,7 +304,7 @@ pub(super) fn assemble(model: &Model, state: &State, work: &mut Workspace, goes_
         let column = &mut work.search.column[k];
         column.clear();
         column.resize(carried.len(), 0.0);
-        work.slope.multiply(carried, &work.reference, column);
+        work.slope.multiply(carried, (&work.reference, &work.links), column);
         for (side, &share) in drive.shares.iter().enumerate().filter(|(_, share)| **share != 0.0) {
             column.iter_mut().zip(&work.slope.columns[side]).for_each(|(to, c)| *to += share * c);
         }
@@ -330,6 +396,7 @@ fn go(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
         };
     }
     std::mem::swap(&mut work.pose, &mut work.trial);
+    std::mem::swap(&mut work.balance, &mut work.trial_balance);
     state.displacement = work.trial_displacement;
     true
 }
@@ -371,15 +438,17 @@ fn try_share(model: &Model, state: &State, work: &mut Workspace, share: f64) {
         }
     }
     boundary::bodies(model, &work.trial_displacement, state.tilt, &mut work.bodies);
-    let Workspace { reference, bodies, trial, trial_balance, .. } = work;
+    let Workspace { reference, bodies, membranes, trial, trial_balance, .. } = work;
+    let (carries, goes_on) = (&state.carries, false);
     let scenery = Scenery {
         model,
         setup,
         reference,
         bodies,
-        carries: &state.carries,
+        membranes,
+        carries,
         glued: &state.glued,
-        goes_on: false,
+        goes_on,
     };
     trial_balance.evaluate(&scenery, trial);
 }
@@ -404,16 +473,26 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// Takes a first step from the pose, where the walls have just taken the grains along, as if every
 /// contact went on as in the last increment: what stuck sticks, what slid slides.
-pub(super) fn predict(model: &Model, state: &mut State, work: &mut Workspace) {
+pub(super) fn predict(model: &Model, state: &mut State, work: &mut Workspace, near: &Neighbours) {
     let Some(setup) = &model.plane else { return };
     boundary::bodies(model, &state.displacement, state.tilt, &mut work.bodies);
-    let Workspace { reference, bodies, balance, pose, .. } = work;
-    let carries = &state.carries;
+    let Workspace { reference, bodies, membranes, balance, pose, .. } = work;
+    let (carries, goes_on) = (&state.carries, true);
     balance.evaluate(
-        &Scenery { model, setup, reference, bodies, carries, glued: &state.glued, goes_on: true },
+        &Scenery {
+            model,
+            setup,
+            reference,
+            bodies,
+            membranes,
+            carries,
+            glued: &state.glued,
+            goes_on,
+        },
         pose,
     );
-    assemble(model, state, work, true);
+    work.search.convex = false;
+    assemble(model, state, work, near, true);
     let shift = LEAST_SHIFT * stiffness(work);
     if !work.slope.matrix.factorise(shift) || !solve(state, work, shift) {
         return;

@@ -36,7 +36,7 @@ impl Pressed {
             let force = contact.normal * contact.force + contact.shear;
             let force = Vec2::new(force.x, force.y);
             let side = usize::from(body.side);
-            pressed.normal[side] += contact.force;
+            pressed.normal[side] += boundary::pressed(model, contact, side);
             pressed.sides[side] += contact.force * body.growth + force.dot(&body.slide);
             if wall::axis(side) == 1 {
                 pressed.drag[side % 2] += wall::inward(side) * force.x;
@@ -50,6 +50,11 @@ impl Pressed {
                         // It turns beneath the grain: shear does no work where they touch.
                         None => -contact.force * at.dot(&tangent(body)),
                     };
+        }
+        let Some(setup) = &model.plane else { return pressed };
+        for side in (0..SIDES).filter(|&side| setup.cell.is_membrane(side)) {
+            let area = setup.cell.area(side, &state.displacement);
+            pressed.normal[side] = state.pressure[side] * area;
         }
         pressed
     }
@@ -71,7 +76,9 @@ impl Pressed {
 fn tangent(body: &Body) -> Vec2 {
     match body.shape {
         boundary::Shape::Plane(normal) => left_of(normal),
-        boundary::Shape::Disc(_) | boundary::Shape::Ring(_) => Vec2::zeros(),
+        boundary::Shape::Disc(_) | boundary::Shape::Ring(_) | boundary::Shape::Nothing => {
+            Vec2::zeros()
+        }
     }
 }
 

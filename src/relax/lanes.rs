@@ -19,10 +19,10 @@ pub(super) fn in_double([x, y, z, w]: [f32; 4]) -> f64 {
 /// Three numbers and a fourth that is zero, or four.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(16))]
-pub(super) struct Four(pub(super) [f32; 4]);
+pub(crate) struct Four(pub(crate) [f32; 4]);
 
 /// Arithmetic in registers.
-pub(super) trait Arithmetic: Copy {
+pub(crate) trait Arithmetic: Copy {
     /// Four numbers in a register, or twice four.
     type F: Copy;
     /// The same number four times.
@@ -46,7 +46,7 @@ pub(super) trait Arithmetic: Copy {
 }
 
 /// The operations that the kernels are made of, on four numbers.
-pub(super) trait Lanes: Arithmetic + Send + Sync {
+pub(crate) trait Lanes: Arithmetic + Send + Sync {
     /// The same with twice four numbers.
     type Two: Arithmetic;
     /// The same with twice four numbers.
@@ -76,7 +76,7 @@ pub(super) trait Lanes: Arithmetic + Send + Sync {
 }
 
 /// Work that is written once for all machines.
-pub(super) trait Kernel {
+pub(crate) trait Kernel {
     /// What it gives.
     type Output;
     /// Does it; to be `#[inline(always)]`, so that it is compiled for the instructions in use.
@@ -85,7 +85,7 @@ pub(super) trait Kernel {
 
 /// Runs `kernel` with the best instructions that this machine has.
 #[inline]
-pub(super) fn dispatch<K: Kernel>(kernel: K) -> K::Output {
+pub(crate) fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     if let Some(fused) = x86::Fused::chosen() {
         // SAFETY: the value exists only where AVX2 and FMA do.

@@ -280,6 +280,7 @@ pub(super) mod tests {
             confining_stress: 1e6,
             aspect: [1.0; 3],
             expand_floaters: 0,
+            compaction_friction: 0.0,
         };
         let glass = Material { young: 70e9, poisson: 0.2, density: 2420.0, spread: 0.0 };
         let text = "pack: {file: none.csv, material: glass}";

@@ -1,7 +1,9 @@
 //! What a scene of spheres or of discs cannot have.
 
+mod path;
+
 use super::check::{Field, Problems};
-use super::{Friction, Law, Method, Normal, Rotation, Scene, Step, When};
+use super::{Axis, Friction, Law, Method, Normal, Rotation, Scene, Step, When, prepare};
 
 pub(super) fn check(scene: &Scene, problems: &mut Problems) {
     let at = Field::root();
@@ -26,6 +28,10 @@ pub(super) fn check(scene: &Scene, problems: &mut Problems) {
                 "only discs are glued; allowed: false, or `dimension: 2`",
             );
         }
+        if scene.pack.generate.as_ref().is_some_and(|spec| spec.compaction_friction != 0.0) {
+            let text = "spheres are compacted without friction; allowed: 0, or `dimension: 2`";
+            not(at.key("pack").key("generate").key("compaction_friction"), text);
+        }
         return;
     }
     if scene.walls.glue && scene.solver.method == Method::GaussSeidel {
@@ -41,7 +47,7 @@ pub(super) fn check(scene: &Scene, problems: &mut Problems) {
         let text = "discs slide by radial return; allowed: return_map";
         not(at.key("contact").key("friction").key("law"), text);
     }
-    if matches!(scene.solver.method, Method::ConjugateGradient | Method::Dynamic) {
+    if !scene.solver.method.relaxes(2) {
         let text = format!(
             "{} is for spheres; allowed in the plane: newton, gauss_seidel",
             scene.solver.method.name()
@@ -55,6 +61,16 @@ pub(super) fn check(scene: &Scene, problems: &mut Problems) {
     if scene.pack.hydrate.is_some() {
         not(at.key("pack").key("hydrate"), "hydrate is for spheres; allowed: no such key");
     }
+    if scene.pack.generate.as_ref().is_some_and(|spec| spec.expand_floaters != 0) {
+        let text = "only spheres are expanded; allowed: 0";
+        not(at.key("pack").key("generate").key("expand_floaters"), text);
+    }
+    for (index, step) in scene.pack.prepare.iter().enumerate() {
+        if matches!(step, prepare::Step::Uniaxial(step) if step.axis == Axis::Z) {
+            let step = at.key("pack").key("prepare").index(index);
+            not(step.key("uniaxial").key("axis"), "there is no z in the plane; allowed: x, y");
+        }
+    }
     if scene.gravity[2] != 0.0 {
         let text = "there is no z in the plane; allowed: 0";
         not(at.key("gravity").index(2), text);
@@ -63,6 +79,8 @@ pub(super) fn check(scene: &Scene, problems: &mut Problems) {
         let text = "the motion of grains is for spheres; allowed in the plane: never";
         not(at.key("outputs").key("grain_motion"), text);
     }
+    path::check(&scene.load_path.0, &at.key("load_path"), problems);
+    path::targets(&scene.walls.targets, &at.key("walls").key("targets"), problems);
 }
 
 fn tilts(steps: &[Step]) -> bool {

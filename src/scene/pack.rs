@@ -6,19 +6,22 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use super::check::{Field, Problems};
-use super::{Hydrate, Material, prepare};
+use super::{Crystal, Grading, Hydrate, Material, prepare};
 use crate::wall::Bounds;
 
 /// Most grains that a scene may ask for.
 const MAX_GRAINS: u64 = 10_000_000;
 
-/// Where the grains come from; exactly one of `generate` and `file`.
+/// Where the grains come from; exactly one of `generate`, `crystal` and `file`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PackSource {
     /// Make the pack.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub generate: Option<Generate>,
+    /// Lay it out as a crystal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub crystal: Option<Crystal>,
     /// Read it from this CSV, relative to the scene file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub file: Option<PathBuf>,
@@ -34,7 +37,7 @@ pub struct PackSource {
     /// Which grains are gas hydrate; without it those that a pack that is read says.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hydrate: Option<Hydrate>,
-    /// Seed of the per-grain spread of a material given to a pack that is read.
+    /// Seed of the per-grain spread of a material given to a crystal or a pack that is read.
     #[serde(default)]
     pub seed: u64,
     /// What is done with the pack, made or read and cut, before the run.
@@ -55,20 +58,27 @@ impl PackSource {
         materials: &BTreeMap<String, Material>,
         problems: &mut Problems,
     ) {
-        match (&self.generate, &self.file) {
-            (None, None) => problems.add(
+        let sources = [self.generate.is_some(), self.crystal.is_some(), self.file.is_some()];
+        match sources.iter().filter(|&&given| given).count() {
+            0 => problems.add(
                 at.clone(),
-                "neither `generate` nor `file` is given; allowed: exactly one of them",
+                "neither `generate` nor `crystal` nor `file` is given; allowed: exactly one of them",
             ),
-            (Some(_), Some(_)) => problems.add(
+            1 => {}
+            _ => problems.add(
                 at.clone(),
-                "both `generate` and `file` are given; allowed: exactly one of them",
+                "more than one of `generate`, `crystal` and `file` is given; allowed: exactly one \
+                 of them",
             ),
-            (Some(generate), None) => {
-                generate.check(&at.key("generate"), materials, problems);
-                self.check_unused(at, problems);
-            }
-            (None, Some(_)) => {}
+        }
+        if let Some(generate) = &self.generate {
+            generate.check(&at.key("generate"), materials, problems);
+        }
+        if let Some(crystal) = &self.crystal {
+            crystal.check(&at.key("crystal"), materials, problems);
+        }
+        if self.file.is_none() {
+            self.check_unused(at, problems);
         }
         if let Some(name) = &self.material {
             known(&at.key("material"), name, materials, problems);
@@ -84,16 +94,17 @@ impl PackSource {
         }
     }
 
-    /// Keys that mean nothing beside `generate`: who wrote them expected something.
+    /// Keys that mean nothing for a pack that is made: who wrote them expected something.
     fn check_unused(&self, at: &Field, problems: &mut Problems) {
         let only = |what: &str| format!("only for a pack that is read by `file`; {what}");
+        let source = if self.crystal.is_some() { "crystal" } else { "generate" };
         if self.bounds.is_some() {
-            problems.add(at.key("box"), only("the box of a generated pack follows its stress"));
+            problems.add(at.key("box"), only("the box of a pack that is made follows its grains"));
         }
         if self.material.is_some() {
-            problems.add(at.key("material"), only("here it is `generate.material`"));
+            problems.add(at.key("material"), only(&format!("here it is `{source}.material`")));
         }
-        if self.seed != 0 {
+        if self.seed != 0 && self.generate.is_some() {
             problems.add(at.key("seed"), only("here it is `generate.seed`"));
         }
     }
@@ -132,6 +143,10 @@ pub struct Generate {
     /// Rounds in which grains with fewer than 4 contacts are expanded until they have 4 (T 2.7.2).
     #[serde(default)]
     pub expand_floaters: u32,
+    /// f_gg^I: friction of discs while they are compacted, 0 to infinite; it sets their density
+    /// (B 3.2.1). Spheres are compacted without.
+    #[serde(default)]
+    pub compaction_friction: f64,
 }
 
 fn default_seed() -> u64 {
@@ -161,6 +176,11 @@ impl Generate {
             );
         }
         problems.count(at.key("expand_floaters"), u64::from(self.expand_floaters), 0, 1000);
+        problems.at_least_zero(
+            at.key("compaction_friction"),
+            self.compaction_friction,
+            "compaction_friction >= 0, .inf included",
+        );
     }
 }
 
@@ -172,6 +192,10 @@ pub enum Radius {
     Uniform([f64; 2]),
     /// All the same.
     Constant(f64),
+    /// Sand with a sieve curve that is straight in the logarithm of the size (B A.1-A.5).
+    GradingA(Grading),
+    /// Evenly between the two that the mean and their ratio give (B A.7-A.8).
+    GradingB(Grading),
 }
 
 impl Radius {
@@ -193,6 +217,8 @@ impl Radius {
             Self::Constant(radius) => {
                 problems.positive(at.key("constant"), radius, "radius > 0 m");
             }
+            Self::GradingA(grading) => grading.check(&at.key("grading_a"), problems),
+            Self::GradingB(grading) => grading.check(&at.key("grading_b"), problems),
         }
     }
 }

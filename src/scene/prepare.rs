@@ -1,7 +1,11 @@
 //! Steps that prepare a pack before the run: confined without friction, then loaded with friction
 //! until the contacts slide as they do in a real specimen (T 3.6.2, HZ-17).
 
+mod rescale;
+
 use serde::{Deserialize, Serialize};
+
+pub use rescale::Rescale;
 
 use super::check::{Field, Problems};
 use super::{Axis, Contact, Friction, Moving};
@@ -20,6 +24,7 @@ pub(super) fn check(steps: &[Step], at: &Field, contact: &Contact, problems: &mu
                 "confining_stress > 0 Pa",
             ),
             Step::Uniaxial(step) => step.check(&at.key("uniaxial"), contact, problems),
+            Step::Rescale(step) => step.check(&at.key("rescale"), problems),
         }
     }
 }
@@ -33,6 +38,8 @@ pub enum Step {
     Isotropic(Isotropic),
     /// The walls of one axis move in, the others stay, with the scene's friction and gravity.
     Uniaxial(Uniaxial),
+    /// All lengths or all forces are multiplied; nothing is relaxed.
+    Rescale(Rescale),
 }
 
 /// Frictionless relaxation to an isotropic stress.

@@ -22,6 +22,6 @@ impl ShearStep {
     pub(super) fn check(&self, at: &Field, problems: &mut Problems) {
         let inside = |tilt: f64| tilt.abs() < 1.0;
         problems.number(at.key("tilt"), self.tilt, "-1 < tilt < 1", inside);
-        self.targets.check(&at.key("targets"), problems);
+        self.targets.check(&at.key("targets"), true, problems);
     }
 }

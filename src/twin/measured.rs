@@ -3,6 +3,7 @@
 use nalgebra::Matrix3;
 
 use super::Twin;
+use super::past::Past;
 use crate::command::Stamp;
 use crate::measure::contacts::Contacts;
 use crate::measure::coordination::{self, Histograms};
@@ -15,7 +16,8 @@ use crate::plane;
 use crate::relax::advance::Advance;
 use crate::relax::tangent;
 use crate::report::{
-    Cracks, Demand, Fabric, GrainMotion, Measures, Moduli, PackState, Tangent, WallForces,
+    Cracks, Demand, Fabric, GrainMotion, Measures, Moduli, PackState, PlaneState, Tangent,
+    WallForces,
 };
 use crate::scene::ModuliKind;
 use crate::wall::Bounds;
@@ -43,6 +45,7 @@ impl Twin {
         let motion = if shown { self.motion() } else { None };
         let contacts = self.contacts();
         let tangent = self.tangent(reached, demand);
+        let plane = if demand.plane { self.plane_state(&contacts) } else { None };
         let loaded = self.loaded(&contacts);
         let before =
             std::mem::replace(&mut self.stress_strain, (loaded.normal_stress(), loaded.strain));
@@ -78,7 +81,8 @@ impl Twin {
                 true => shear::shear(model, state, &contacts.list),
                 false => None,
             },
-            bonds: if demand.bonds { cement::bonds(model, state) } else { None },
+            plane,
+            bonds: if demand.bonds { cement::bonds(model, state, &contacts) } else { None },
             cracks: match demand.cracks {
                 true => cement::cracks(model, state, &reached.cracks),
                 false => None,
@@ -99,8 +103,13 @@ impl Twin {
     fn loaded(&self, contacts: &Contacts) -> Loaded {
         let bounds = self.state.bounds(&self.model);
         let walls = walls::forces(&self.model, &self.state, &contacts.list);
+        let cell = self.model.plane.as_ref().map(|setup| &setup.cell);
+        let pressure = cell.and_then(|cell| cell.pressure(&walls));
         Loaded {
-            stress: stress::from_leaning_walls(&walls, &bounds, self.state.tilt),
+            stress: match pressure {
+                None => stress::from_leaning_walls(&walls, &bounds, self.state.tilt),
+                Some(pressure) => Matrix3::from_diagonal(&[pressure, pressure, 0.0].into()),
+            },
             strain: stress::engineering_strain(&bounds, &self.model.reference),
             walls,
             bounds,
@@ -119,13 +128,13 @@ impl Twin {
             strain: *strain,
             natural_strain: stress::natural_strain(bounds, &model.reference),
             stress_walls: row_major(stress),
-            stress_contacts: row_major(&stress::from_contacts(&contacts.list, bounds)),
+            stress_contacts: row_major(&stress::in_volume(&contacts.list, state.volume(model))),
             confining_stress: stress.trace() / f64::from(model.dimensions()),
             deviatoric_stress: match &model.plane {
                 None => normal[2] - 0.5 * (normal[0] + normal[1]),
                 Some(_) => normal[1] - normal[0],
             },
-            porosity: porosity::porosity(model, &contacts.list, bounds),
+            porosity: porosity::porosity(model, &contacts.list, state.volume(model)),
             coordination_number: f64::from(numbers.iter().sum::<u32>()) / model.len() as f64,
             sliding_ratio: contacts.sliding_ratio(),
             slipped: contacts.counted().filter(|c| c.slipped).count() as u32,
@@ -173,7 +182,7 @@ impl Twin {
                     |now: [f64; 3], then: [f64; 3]| std::array::from_fn(|k| now[k] - then[k]);
                 let stress = change(loaded.normal_stress(), before.0);
                 let strain = change(loaded.strain, before.1);
-                let density = density(&self.model, &loaded.bounds);
+                let density = density(&self.model, self.state.volume(&self.model));
                 let secant = match &self.model.plane {
                     None => moduli::secant(stress, strain, density),
                     Some(_) => moduli::secant_in_plane(stress, strain, density),
@@ -191,7 +200,7 @@ impl Twin {
         let Self { model, state, work, pool, .. } = self;
         let found = pool.install(|| tangent::tangent(model, state, work, &reached.outcome));
         self.spent.products += found.products;
-        Some(measure::tangent::report(&found, density(model, &state.bounds(model))))
+        Some(measure::tangent::report(&found, density(model, state.volume(model))))
     }
 
     /// How the grains moved in the present increment; `None` when the scene says that nobody will
@@ -199,8 +208,16 @@ impl Twin {
     #[must_use]
     pub fn motion(&self) -> Option<GrainMotion> {
         let Self { model, state, past, pool, .. } = self;
-        let before = past.as_ref()?.before();
+        let before = past.as_ref().filter(|_| model.plane.is_none())?.before();
         Some(pool.install(|| motion::motion(model, before, state)))
+    }
+
+    fn plane_state(&self, contacts: &Contacts) -> Option<PlaneState> {
+        let Self { model, state, past, .. } = self;
+        model.plane.as_ref()?;
+        // No increment ends at the start.
+        let before = past.as_ref().filter(|_| self.increment > 0).map(Past::before);
+        Some(measure::plane::state(model, state, contacts, before))
     }
 
     /// Histograms of the coordination number now (T fig. 2.6).
@@ -224,8 +241,8 @@ impl Twin {
     }
 }
 
-/// Mass over the volume of the box \[kg/m³\].
-fn density(model: &Model, bounds: &Bounds) -> f64 {
+/// Mass over the volume `volume` \[m³\] of the pack \[kg/m³\].
+fn density(model: &Model, volume: f64) -> f64 {
     let mass: f64 = (0..model.len()).map(|k| model.mass(k)).sum();
-    mass / bounds.volume()
+    mass / volume
 }

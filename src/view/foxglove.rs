@@ -185,6 +185,7 @@ impl Sink for LiveSink {
             fabric: asked(&topics::FABRIC),
             hydrate: asked(&topics::HYDRATE),
             shear: asked(&topics::SHEAR_STATE),
+            plane: asked(&topics::PLANE_STATE),
             rearrangements: asked(&topics::REARRANGEMENTS),
             snapshots: asked(&topics::SNAPSHOTS),
             bonds: marked || asked(&topics::BONDS),

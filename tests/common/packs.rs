@@ -53,6 +53,7 @@ pub(crate) fn recipe(grains: usize, confining_stress: f64, seed: u64) -> Generat
         confining_stress,
         aspect: [1.0; 3],
         expand_floaters: 0,
+        compaction_friction: 0.0,
     }
 }
 

@@ -1,8 +1,27 @@
 //! Discs in the plane.
-
 #![allow(clippy::unwrap_used, reason = "a test that fails may panic")]
 
+#[path = "../common/cemented.rs"]
+mod cemented;
+#[path = "../common/packs.rs"]
+mod packs;
+
+mod annulus;
 mod balance;
 mod biaxial;
+mod bonds;
+mod cracking;
+mod crystal;
+mod crystals;
+mod derivatives;
 mod discs;
+mod gradings;
+mod lattice;
+mod membranes;
+mod no_z;
+mod outputs;
+mod points;
+mod rescale;
+mod samples;
 mod shear;
+mod threads;

@@ -1,7 +1,7 @@
 //! What is in a scene.
 
 use graintwin::scene::Loaded;
-use graintwin::scene::prepare::{End, Step};
+use graintwin::scene::prepare::{End, Rescale, Step};
 use graintwin::wall::Bounds;
 use graintwin::{pack, path};
 
@@ -33,7 +33,7 @@ pub(super) fn describe(loaded: &Loaded) -> Result<String, Failure> {
         }
         None => {
             let pack = pack::unprepared(loaded)?;
-            (specimen::describe(&pack), pack.bounds)
+            (specimen::describe(&pack, scene.dimension), pack.bounds)
         }
     };
     let commands = path::commands_of(scene, loaded.folder(), &bounds)?;
@@ -59,6 +59,8 @@ fn preparation(steps: &[Step]) -> String {
                 End::Strain(strain) => format!("uniaxial, a strain of {strain:?}"),
                 End::Steady(_) => "uniaxial until the sliding ratio is steady".into(),
             },
+            Step::Rescale(Rescale::Lengths(factor)) => format!("all lengths times {factor:?}"),
+            Step::Rescale(Rescale::Forces(factor)) => format!("all forces times {factor:?}"),
         };
         format!("step {}          {what}\n", index + 1)
     };

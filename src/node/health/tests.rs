@@ -26,6 +26,7 @@ fn served(disposition: Disposition, iterations: Option<u32>) -> Served {
         fabric: None,
         hydrate: None,
         shear: None,
+        plane: None,
         bonds: None,
         cracks: None,
         rearrangements: Vec::new(),

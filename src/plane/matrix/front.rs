@@ -2,6 +2,7 @@
 
 use super::tree::{Node, Tree};
 use super::{Block, FREEDOMS};
+use crate::relax::lanes::{Kernel, Lanes, dispatch};
 
 /// Columns that are eliminated as one, so that the rest is updated by all of them in one sweep.
 const PANEL: usize = 6;
@@ -50,7 +51,6 @@ impl Front {
 
     /// Gathers the entries of the eliminated grains and what the children left, eliminates, and leaves
     /// the rest on the stack. Says whether all pivots were positive.
-    #[expect(clippy::too_many_arguments, reason = "the parts of one matrix")]
     pub(super) fn factorise(
         &mut self,
         tree: &Tree,
@@ -58,13 +58,14 @@ impl Front {
         shift: f64,
         factors: &mut Vec<f64>,
         stack: &mut Vec<f64>,
-        dense: &mut Vec<f64>,
         place: &mut [u32],
     ) -> bool {
         let (m, p) = (self.size(), self.pivots());
         let grains = self.grains(tree);
-        dense.clear();
-        dense.resize(m * m, 0.0);
+        // Eliminated where its factors stay; what it leaves is taken from behind them.
+        debug_assert_eq!(self.at, factors.len());
+        factors.resize(self.at + m * m, 0.0);
+        let dense = &mut factors[self.at..];
         for (k, &grain) in grains.iter().enumerate() {
             place[grain as usize] = k as u32;
         }
@@ -94,16 +95,13 @@ impl Front {
         for &child in &self.children {
             gather(&tree.nodes[child as usize], tree, place, stack, dense, m);
         }
-        if !eliminate(dense, m, p) {
+        if !dispatch(Eliminate { dense, m, p }) {
             return false;
-        }
-        debug_assert_eq!(self.at, factors.len());
-        for column in 0..p {
-            factors.extend_from_slice(&dense[column * m..(column + 1) * m]);
         }
         for column in p..m {
             stack.extend_from_slice(&dense[column * m + p..(column + 1) * m]);
         }
+        factors.truncate(self.at + m * p);
         debug_assert_eq!(self.leaves, (m - p) * (m - p));
         true
     }
@@ -193,8 +191,25 @@ fn gather(
     stack.truncate(left);
 }
 
+/// [`eliminate`] with the instructions of the machine, which do the same to the bit.
+struct Eliminate<'a> {
+    dense: &'a mut [f64],
+    m: usize,
+    p: usize,
+}
+
+impl Kernel for Eliminate<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) -> bool {
+        eliminate(self.dense, self.m, self.p)
+    }
+}
+
 /// Cholesky factors of the first `p` columns of the lower triangle of `dense`, m x m by columns, and the
 /// Schur complement in the rest. Says whether all pivots were positive.
+#[inline(always)]
 fn eliminate(dense: &mut [f64], m: usize, p: usize) -> bool {
     let mut from = 0;
     while from < p {
@@ -227,6 +242,7 @@ fn eliminate(dense: &mut [f64], m: usize, p: usize) -> bool {
 }
 
 /// Subtracts from `own`, the rows of `column` from the diagonal on, what the columns of `panel` do to it.
+#[inline(always)]
 fn update(panel: &[f64], width: usize, m: usize, column: usize, own: &mut [f64]) {
     let rows = |k: usize| &panel[k * m + column..(k + 1) * m];
     if width == PANEL {
@@ -247,6 +263,16 @@ fn update(panel: &[f64], width: usize, m: usize, column: usize, own: &mut [f64])
     }
 }
 
+/// Sum of products in four parts, which a processor can add up side by side.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    let mut parts = [0.0; 4];
+    let (fours, rest) = a.as_chunks::<4>();
+    let (other_fours, other_rest) = b.as_chunks::<4>();
+    for (a, b) in fours.iter().zip(other_fours) {
+        for (part, (a, b)) in parts.iter_mut().zip(a.iter().zip(b)) {
+            *part += a * b;
+        }
+    }
+    let rest: f64 = rest.iter().zip(other_rest).map(|(a, b)| a * b).sum();
+    (parts[0] + parts[1]) + (parts[2] + parts[3]) + rest
 }

@@ -72,6 +72,7 @@ impl Step {
             fabric: has(&topics::FABRIC),
             hydrate: has(&topics::HYDRATE),
             shear: has(&topics::SHEAR_STATE),
+            plane: has(&topics::PLANE_STATE),
             rearrangements: has(&topics::REARRANGEMENTS),
             snapshots: has(&topics::SNAPSHOTS),
             bonds: has(&topics::BONDS) || marked,

@@ -156,6 +156,7 @@ fn light(served: &Served) -> Served {
         let fabric = measures.fabric.clone();
         let hydrate = measures.hydrate;
         let shear = measures.shear;
+        let plane = measures.plane.clone();
         let rearrangements = measures.rearrangements.clone();
         let snapshots = measures.snapshots.clone();
         let cracks = measures.cracks.clone();
@@ -177,6 +178,7 @@ fn light(served: &Served) -> Served {
             fabric,
             hydrate,
             shear,
+            plane,
             bonds,
             cracks,
         }
