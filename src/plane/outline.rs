@@ -142,8 +142,12 @@ impl Finder {
                     let (at, reach) = (pack.local(place.grain), pack.reach(place.grain));
                     let up = ((high - roller - at.y) / reach).asin();
                     let down = std::f64::consts::PI - ((low + roller - at.y) / reach).asin();
-                    let [up, down] = [up, down].map(|to| turn(place.angle, to));
-                    if up <= most && !(down < up) {
+                    // What it does not come to is infinitely far.
+                    let [up, down] = [up, down].map(|to| match to.is_nan() {
+                        true => f64::INFINITY,
+                        false => turn(place.angle, to),
+                    });
+                    if up <= most && up <= down && up.is_finite() {
                         return;
                     }
                     if down > 0.0 && down < most {
