@@ -39,7 +39,8 @@ fn the_walls_have_the_stress_asked_for_and_the_box_its_depth() {
         let measures = found(&scene, &pack);
         let stress = state(&measures).stress_walls;
         for axis in [0, 1] {
-            assert!((stress[4 * axis] / 1e5 - 1.0).abs() < 1e-6, "{stress:?}");
+            // Shear that counts from where the contacts have come to changes the stress a little.
+            assert!((stress[4 * axis] / 1e5 - 1.0).abs() < 2e-5, "{stress:?}");
         }
         let [x, y, z] = pack.bounds.sides();
         assert!((2.3..2.7).contains(&(y / x)), "{x} {y}");
