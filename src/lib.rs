@@ -47,6 +47,7 @@
 //! ```
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+pub mod analytic;
 pub mod bench;
 pub mod command;
 pub mod contact;

@@ -65,11 +65,12 @@ pub struct Model {
     /// Cement.
     pub cement: Option<Cement>,
     /// Mean contact force below which residuals are those of this force \[N\]: cement can be free of
-    /// any load. 0 without cement.
+    /// any load, and so can discs that just touch. 0 without cement and linear contacts.
     pub least_force: f64,
     /// What makes the grains discs; `None` for spheres.
     pub plane: Option<plane::Setup>,
-    /// What the rounding of coordinates makes of cement that is free of load \[N\]; 0 without cement.
+    /// What the rounding of coordinates makes of cement, or of discs, that are free of load \[N\]; 0
+    /// without cement and linear contacts.
     pub rounding_force: f64,
 }
 
@@ -162,10 +163,8 @@ impl Model {
         if let scene::Normal::Cement(cement) = scene.contact.normal {
             model.cement = Some(cement);
             let stiffness = model.typical_stiffness();
-            let far = pack.bounds.min.iter().chain(&pack.bounds.max).map(|x| x.abs());
-            let far = far.fold(0.0, f64::max);
             model.least_force = stiffness * FAINT_STRAIN * model.mean_radius;
-            model.rounding_force = stiffness * ROUNDINGS * f64::EPSILON * far;
+            model.rounding_force = stiffness * ROUNDINGS * f64::EPSILON * furthest(&pack.bounds);
             let smooth = || Friction::smooth(&model.grains, &scene.walls, torsion);
             model.friction = model.friction.or_else(|| Some(smooth()));
         }
@@ -175,7 +174,12 @@ impl Model {
                 let smooth = || Friction::smooth(&model.grains, &scene.walls, torsion);
                 model.friction = model.friction.or_else(|| Some(smooth()));
             }
-            model.plane = Some(plane::Setup::new(&model, scene));
+            let setup = plane::Setup::new(&model, scene);
+            if let plane::Law::Linear { normal, .. } = setup.law {
+                model.least_force = normal * FAINT_STRAIN * model.mean_radius;
+                model.rounding_force = normal * ROUNDINGS * f64::EPSILON * furthest(&pack.bounds);
+            }
+            model.plane = Some(setup);
         }
         model.hydrate = Hydrate::of(&model);
         model
@@ -279,6 +283,11 @@ impl Model {
         let modulus = hertz::modulus(0.5 * self.mean_radius, 2.0 * compliance);
         hertz::force(modulus, 1e-7 * self.mean_radius)
     }
+}
+
+/// Largest coordinate of a box \[m\].
+fn furthest(bounds: &Bounds) -> f64 {
+    bounds.min.iter().chain(&bounds.max).fold(0.0, |far, x| far.max(x.abs()))
 }
 
 /// Volume of a sphere \[m³\].

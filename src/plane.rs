@@ -25,7 +25,7 @@ pub mod reference;
 pub mod setup;
 mod work;
 
-pub use setup::{Setup, Strength};
+pub use setup::{Law, Setup, Strength};
 pub use work::Workspace;
 
 /// A vector in the plane.

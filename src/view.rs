@@ -6,6 +6,8 @@
 //! What cannot be drawn (NaN, infinity, zero on a logarithmic axis) breaks a line; a series
 //! without a single point is left out, and the chart says so.
 
+pub mod beside;
+pub mod biaxial;
 mod chart;
 mod draw;
 #[cfg(feature = "mcap")]
@@ -15,6 +17,7 @@ pub mod foxglove;
 #[cfg(feature = "mcap")]
 mod history;
 mod layout;
+pub mod mohr;
 #[cfg(feature = "mcap")]
 mod motions;
 #[cfg(feature = "mcap")]
@@ -23,6 +26,7 @@ pub mod picture;
 mod precision;
 #[cfg(feature = "png")]
 mod raster;
+pub mod rose;
 #[cfg(feature = "mcap")]
 mod run;
 mod scale;

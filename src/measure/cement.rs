@@ -1,16 +1,22 @@
 //! Bonds and cracks in the order of the pack file.
 
+use crate::Vec3;
 use crate::contact::Other;
 use crate::contact::cement::strength::Mode;
+use crate::measure::contacts::Contacts;
 use crate::model::Model;
 use crate::pack::wall_index;
+use crate::plane::{Strength, crack};
 use crate::relax::breakage::{self, Carrying, carrying};
 use crate::report::{BondCondition, Bonds, Crack, Cracks, Event, EventKind, Rearrangement};
 use crate::state::{Condition, State};
 
 /// Every pair of `state`, an equilibrium, that was cemented; `None` in a scene without cement.
 #[must_use]
-pub fn bonds(model: &Model, state: &State) -> Option<Bonds> {
+pub fn bonds(model: &Model, state: &State, contacts: &Contacts) -> Option<Bonds> {
+    if let Some(setup) = &model.plane {
+        return setup.strength.as_ref().map(|strength| of_discs(model, strength, state, contacts));
+    }
     let cement = model.cement.as_ref()?;
     let mut rows: Vec<(Bodies, Carrying<'_>)> = carrying(model, cement, state)
         .map(|one| (Bodies::of(model, one.bond.first, one.bond.second), one))
@@ -39,11 +45,59 @@ pub fn bonds(model: &Model, state: &State) -> Option<Bonds> {
     Some(bonds)
 }
 
+/// Every bond of discs: what its contact carries, against F_t (11-12).
+fn of_discs(model: &Model, strength: &Strength, state: &State, contacts: &Contacts) -> Bonds {
+    let mut rows: Vec<_> = state
+        .bonds
+        .iter()
+        .map(|bond| (Bodies::of(model, bond.first, bond.second), bond, None))
+        .collect();
+    for one in crack::carrying(model, strength, state, contacts) {
+        rows[one.place].2 = Some(one);
+    }
+    rows.sort_unstable_by_key(|(bodies, ..)| (bodies.first, bodies.second));
+    let mut bonds = Bonds {
+        tensile_strength: if strength.tension { strength.cohesion } else { f64::INFINITY },
+        shear_strength: strength.cohesion,
+        ..Bonds::default()
+    };
+    for (Bodies { first, second, sign }, bond, one) in rows {
+        let contact = one.as_ref().map(|one| one.contact);
+        let lever = contact.map_or(0.0, |contact| crack::lever(model, &contact));
+        let at = |grain: Other| match grain {
+            Other::Grain(grain) => state.position[grain as usize],
+            Other::Wall(_) => Vec3::zeros(),
+        };
+        let [i, j] = [at(Other::Grain(bond.first)), at(bond.second)];
+        let normal = (i - j).normalize();
+        let position = if contact.is_some() { i - normal * lever } else { 0.5 * (i + j) };
+        let shear = contact.map_or_else(Vec3::zeros, |contact| contact.shear * sign);
+        bonds.first.push(first);
+        bonds.second.push(second);
+        bonds.condition.push(condition(bond.condition) as u8);
+        bonds.share.push(bond.share);
+        bonds.radius.push(bond.radius);
+        bonds.position.extend_from_slice(position.as_slice());
+        bonds.normal.extend_from_slice((normal * sign).as_slice());
+        bonds.normal_force.push(contact.map_or(0.0, |contact| contact.force));
+        bonds.tangential_force.extend_from_slice(shear.as_slice());
+        bonds.torsion.push(0.0);
+        bonds.strength_use.push(one.map_or(0.0, |one| one.used));
+    }
+    bonds
+}
+
 /// The bonds of `state` by what became of them, and `cracks`, those of its increment; `None` in a
 /// scene without cement.
 #[must_use]
 pub fn cracks(model: &Model, state: &State, cracks: &[breakage::Crack]) -> Option<Cracks> {
-    model.cement.as_ref()?;
+    let bonded = match &model.plane {
+        None => model.cement.is_some(),
+        Some(setup) => setup.strength.is_some(),
+    };
+    if !bonded {
+        return None;
+    }
     let count = |wanted: Condition| {
         state.bonds.iter().filter(|bond| bond.condition == wanted).count() as u32
     };

@@ -93,7 +93,7 @@ pub fn advance(
             let ways = move_walls(model, state, work, &target, share);
             set_drives(work, &aim, state, model);
             if !work.drives.is_empty() || ways != [0.0; SIDES] {
-                newton::predict(model, state, work);
+                newton::predict(model, state, work, near);
             }
             let outcome = solve(model, state, work, near);
             so_far.outcome = outcome;

@@ -507,8 +507,8 @@ fn add(to: &mut Block, block: &Block) {
 }
 
 impl Slope {
-    /// Adds the product of the derivative over the grains with `of` to `to`.
-    pub(super) fn multiply(&self, of: &[f64], reference: &Reference, to: &mut [f64]) {
+    /// Adds the product of the derivative over the grains with `of`, three numbers a grain, to `to`.
+    pub fn multiply(&self, of: &[f64], reference: &Reference, to: &mut [f64]) {
         for (i, block) in self.matrix.diagonal.iter().enumerate() {
             for (a, row) in block.iter().enumerate() {
                 for (b, entry) in row.iter().enumerate() {

@@ -1,6 +1,5 @@
 //! Bonds between cohesive grains: how they form, and when they break (11-12).
 
-use super::contacts;
 use super::setup::Strength;
 use crate::Vec3;
 use crate::contact::Other;
@@ -12,24 +11,37 @@ use crate::model::Model;
 use crate::relax::breakage::{Crack, Relaxed};
 use crate::state::{Bond, Condition, State};
 
+/// Gap over the mean radius that counts as none when bonds form: grains that just touch.
+const TOUCHING: f64 = 1e-9;
+
 /// Bonds every two grains of `state`, an equilibrium, that touch.
 pub fn deposit(model: &Model, state: &mut State, near: &Neighbours) {
     let Some(strength) = model.plane.as_ref().and_then(|setup| setup.strength) else { return };
     state.bonds.clear();
-    for contact in contacts::of(model, state, near).list {
-        let Other::Grain(j) = contact.second else { continue };
-        let radii = [contact.first, j].map(|k| model.radius[k as usize]);
-        state.bonds.push(Bond {
-            first: contact.first,
-            second: contact.second,
-            distance: contact.distance,
-            overlap: contact.overlap,
-            radius: strength.radius(radii),
-            share: strength.share(contact.normal.x),
-            work: 0.0,
-            normal_force: None,
-            condition: Condition::Intact,
-        });
+    for i in 0..model.len() {
+        for k in near.row(i) {
+            let j = near.second[k] as usize;
+            let branch = state.position[i] - state.position[j];
+            let distance = branch.norm();
+            let overlap = model.radius[i] + model.radius[j] - distance;
+            if overlap < -TOUCHING * model.mean_radius {
+                continue;
+            }
+            state.bonds.push(Bond {
+                first: i as u32,
+                second: Other::Grain(j as u32),
+                distance,
+                overlap,
+                radius: strength.radius([model.radius[i], model.radius[j]]),
+                share: strength.share(branch.x / distance),
+                work: 0.0,
+                normal_force: None,
+                condition: Condition::Intact,
+            });
+            // What is bonded does not float.
+            state.carries[i] = true;
+            state.carries[j] = true;
+        }
     }
 }
 

@@ -31,7 +31,6 @@ pub struct Matrix {
     factors: Vec<f64>,
     /// What the fronts leave to those above them, as a stack.
     stack: Vec<f64>,
-    dense: Vec<f64>,
     place: Vec<u32>,
     scratch: Vec<f64>,
     factorised: bool,
@@ -41,10 +40,16 @@ pub struct Matrix {
 
 impl Matrix {
     /// Takes the pattern: which pairs there are, `start` and `second` in rows as in the neighbour list,
-    /// of grains at `position` \[m\].
-    pub fn arrange(&mut self, position: &[[f64; 2]], start: &[u32], second: &[u32]) {
+    /// of grains at `position` \[m\]. The entries of pairs that `couples` says no to are zero.
+    pub fn arrange(
+        &mut self,
+        position: &[[f64; 2]],
+        start: &[u32],
+        second: &[u32],
+        couples: impl Fn(usize) -> bool,
+    ) {
         self.factorised = false;
-        self.tree.build(position, start, second);
+        self.tree.build(position, start, second, couples);
         self.diagonal.resize(position.len(), [[0.0; FREEDOMS]; FREEDOMS]);
         self.pairs.resize(second.len(), [[0.0; FREEDOMS]; FREEDOMS]);
         front::lay_out(&self.tree, &mut self.fronts);
@@ -62,12 +67,12 @@ impl Matrix {
     /// definite; if not the factors are of no use.
     pub fn factorise(&mut self, shift: f64) -> bool {
         self.factorisations += 1;
-        let Self { diagonal, pairs, tree, fronts, factors, stack, dense, place, .. } = self;
+        let Self { diagonal, pairs, tree, fronts, factors, stack, place, .. } = self;
         factors.clear();
         stack.clear();
-        self.factorised = fronts.iter_mut().all(|front| {
-            front.factorise(tree, (diagonal, pairs), shift, factors, stack, dense, place)
-        });
+        self.factorised = fronts
+            .iter_mut()
+            .all(|front| front.factorise(tree, (diagonal, pairs), shift, factors, stack, place));
         self.factorised
     }
 
@@ -95,7 +100,6 @@ impl Matrix {
             + heap::bytes(&self.fronts)
             + heap::bytes(&self.factors)
             + heap::bytes(&self.stack)
-            + heap::bytes(&self.dense)
             + heap::bytes(&self.place)
             + heap::bytes(&self.scratch)
             + self.tree.heap_bytes()
@@ -133,7 +137,7 @@ mod tests {
             let (at, start, second) = points(n);
             let mut rng = Pcg64::seed_from_u64(1);
             let mut matrix = Matrix::default();
-            matrix.arrange(&at, &start, &second);
+            matrix.arrange(&at, &start, &second, |_| true);
             matrix.clear();
             let mut dense = DMatrix::<f64>::zeros(3 * n, 3 * n);
             for i in 0..n {
@@ -168,7 +172,7 @@ mod tests {
     fn a_matrix_that_is_not_positive_definite_is_told() {
         let (at, start, second) = points(40);
         let mut matrix = Matrix::default();
-        matrix.arrange(&at, &start, &second);
+        matrix.arrange(&at, &start, &second, |_| true);
         matrix.clear();
         matrix.diagonal.iter_mut().for_each(|block| (0..3).for_each(|a| block[a][a] = 1.0));
         matrix.diagonal[17][1][1] = -1e-3;

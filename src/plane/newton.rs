@@ -109,7 +109,8 @@ fn heaviest(model: &Model) -> f64 {
 /// over the mean contact force.
 pub(super) fn residual(model: &Model, work: &Workspace) -> f64 {
     let walls = work.unbalance(&work.balance).iter().fold(0.0_f64, |most, f| most.max(f.abs()));
-    largest(&work.balance).max(walls) / unit_force(model, work)
+    let unbalanced = largest(&work.balance).max(walls);
+    if unbalanced <= model.rounding_force { 0.0 } else { unbalanced / unit_force(model, work) }
 }
 
 /// Relaxes `state` from where it is; the pose and the reference are those of `work`.
@@ -147,6 +148,11 @@ pub(super) fn relax(
             outcome.status = if none { Status::Unjammed } else { Status::Converged };
             return outcome;
         }
+        if outcome.residual <= tolerance && worse > WAIT {
+            // In balance, but on a ridge.
+            outcome.status = Status::Unstable;
+            return outcome;
+        }
         if outcome.residual < best {
             (best, worse) = (outcome.residual, 0);
         } else {
@@ -163,7 +169,7 @@ pub(super) fn relax(
         if floating::rejoin(model, state, work) || dropped || opened {
             work.evaluate(model, state);
         }
-        if !step(model, state, work, outcome.residual) || !go(model, state, work) {
+        if !step(model, state, work, near, outcome.residual) || !go(model, state, work) {
             outcome.status = Status::Unstable;
             return outcome;
         }
@@ -204,11 +210,17 @@ fn stiffness(work: &Workspace) -> f64 {
 }
 
 /// Finds the step from the pose. Says whether there is one.
-fn step(model: &Model, state: &State, work: &mut Workspace, residual: f64) -> bool {
+fn step(
+    model: &Model,
+    state: &State,
+    work: &mut Workspace,
+    near: &Neighbours,
+    residual: f64,
+) -> bool {
     let shift = LEAST_SHIFT * stiffness(work);
     if work.search.waits == 0 || residual < NEAR {
         work.search.convex = false;
-        assemble(model, state, work, false);
+        assemble(model, state, work, near, false);
         if work.slope.matrix.factorise(shift) && solve(work, shift) {
             return true;
         }
@@ -217,7 +229,7 @@ fn step(model: &Model, state: &State, work: &mut Workspace, residual: f64) -> bo
     }
     work.search.waits -= work.search.waits.min(1);
     work.search.convex = true;
-    assemble(model, state, work, false);
+    assemble(model, state, work, near, false);
     let mut shift = CONVEX_SHIFT * shift;
     while shift <= MOST_SHIFT * stiffness(work) {
         if work.slope.matrix.factorise(shift) && solve(work, shift) {
@@ -229,12 +241,21 @@ fn step(model: &Model, state: &State, work: &mut Workspace, residual: f64) -> bo
 }
 
 /// Takes the derivative at the pose; `goes_on` as [`Scenery`] has it.
-pub(super) fn assemble(model: &Model, state: &State, work: &mut Workspace, goes_on: bool) {
+pub(super) fn assemble(
+    model: &Model,
+    state: &State,
+    work: &mut Workspace,
+    near: &Neighbours,
+    goes_on: bool,
+) {
     let Some(setup) = &model.plane else { return };
     let Workspace { reference, bodies, slope, pose, search, .. } = work;
     let carries = &state.carries;
     let convex = search.convex;
     slope.assemble(&Scenery { model, setup, reference, bodies, carries, goes_on }, pose, convex);
+    if work.lacks_pairs() {
+        work.couple(near);
+    }
     let bounds = state.bounds(model);
     for (k, drive) in work.drives.iter().enumerate() {
         let carried = &mut work.search.carried[k];
@@ -402,14 +423,14 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// Takes a first step from the pose, where the walls have just taken the grains along, as if every
 /// contact went on as in the last increment: what stuck sticks, what slid slides.
-pub(super) fn predict(model: &Model, state: &mut State, work: &mut Workspace) {
+pub(super) fn predict(model: &Model, state: &mut State, work: &mut Workspace, near: &Neighbours) {
     let Some(setup) = &model.plane else { return };
     boundary::bodies(model, &state.displacement, state.tilt, &mut work.bodies);
     let Workspace { reference, bodies, balance, pose, .. } = work;
     let carries = &state.carries;
     balance.evaluate(&Scenery { model, setup, reference, bodies, carries, goes_on: true }, pose);
     work.search.convex = false;
-    assemble(model, state, work, true);
+    assemble(model, state, work, near, true);
     let shift = LEAST_SHIFT * stiffness(work);
     if !work.slope.matrix.factorise(shift) || !solve(work, shift) {
         return;

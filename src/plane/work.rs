@@ -7,14 +7,17 @@ use super::gauss_seidel::Adjacency;
 use super::newton::Search;
 use super::reference::{Joint, Reference};
 use super::{DRIVES, Vec2};
-use crate::contact::hertz;
 use crate::contact::neighbours::Neighbours;
+use crate::contact::{Other, hertz};
 use crate::heap;
 use crate::model::Model;
 use crate::relax::Effort;
 use crate::relax::jump::Jump;
 use crate::state::State;
 use crate::wall;
+
+/// Gap over the sum of the radii up to which pairs are taken into the pattern of the matrix.
+const NEARLY: f64 = 0.01;
 
 /// Walls that carry a load: what moves them, and what they shall carry.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,6 +56,8 @@ pub struct Workspace {
     /// Number of the neighbour list that the matrix is arranged for.
     arranged: u64,
     positions: Vec<[f64; 2]>,
+    /// Which pairs the matrix is arranged for, in the order of the neighbour list.
+    coupled: Vec<bool>,
 }
 
 impl Workspace {
@@ -82,6 +87,7 @@ impl Workspace {
             + self.search.heap_bytes()
             + self.floating.heap_bytes()
             + heap::bytes(&self.positions)
+            + heap::bytes(&self.coupled)
             + heap::bytes(&self.memory.contacts)
     }
 
@@ -122,13 +128,31 @@ impl Workspace {
     }
 
     fn arrange(&mut self, near: &Neighbours) {
-        if self.arranged == near.rebuilds && self.slope.matrix.pairs.len() == near.second.len() {
-            return;
+        if self.arranged != near.rebuilds || self.coupled.len() != near.second.len() {
+            self.arranged = near.rebuilds;
+            self.couple(near);
         }
-        self.arranged = near.rebuilds;
-        self.positions.clear();
-        self.positions.extend(self.pose.at.iter().map(|at| [at.x, at.y]));
-        self.slope.matrix.arrange(&self.positions, &near.start, &near.second);
+    }
+
+    /// Arranges the matrix for the pairs that touch or nearly do. The neighbour list has many more, which
+    /// would only fill it.
+    pub(super) fn couple(&mut self, near: &Neighbours) {
+        let Self { reference, pose, coupled, positions, slope, .. } = self;
+        coupled.clear();
+        coupled.extend(reference.pairs.iter().map(|joint| {
+            let Other::Grain(j) = joint.second else { return true };
+            let apart = (pose.at[joint.first as usize] - pose.at[j as usize]).norm();
+            joint.bonded || apart < (1.0 + NEARLY) * joint.reach
+        }));
+        positions.clear();
+        positions.extend(pose.at.iter().map(|at| [at.x, at.y]));
+        slope.matrix.arrange(positions, &near.start, &near.second, |k| coupled[k]);
+    }
+
+    /// Whether a pair is in the matrix at hand that it is not arranged for.
+    pub(super) fn lacks_pairs(&self) -> bool {
+        let entries = self.slope.matrix.pairs.iter().zip(&self.coupled);
+        entries.into_iter().any(|(block, coupled)| !coupled && block[0][0] + block[1][1] != 0.0)
     }
 
     /// Takes the balance of the grains and walls of `state` at the pose.

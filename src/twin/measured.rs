@@ -74,7 +74,7 @@ impl Twin {
                 true => hydrate::hydrate(model, state, &contacts.list, loaded.stress.trace() / 3.0),
                 false => None,
             },
-            bonds: if demand.bonds { cement::bonds(model, state) } else { None },
+            bonds: if demand.bonds { cement::bonds(model, state, &contacts) } else { None },
             cracks: match demand.cracks {
                 true => cement::cracks(model, state, &reached.cracks),
                 false => None,

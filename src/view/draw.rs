@@ -106,14 +106,22 @@ fn frame(chart: &Chart, [left, top]: [f64; 2], [right, bottom]: [f64; 2]) -> Opt
     let y = Scale::fit(&chart.y, coordinate(1).chain(spread()), 5)?;
     let x = Scale::fit(&chart.x, coordinate(0), 6)?;
     let widest = y.ticks.labels.iter().map(|label| width(label, LABEL)).fold(0.0, f64::max);
-    Some(Frame {
+    let mut frame = Frame {
         left: left + widest + 40.0,
         right: right - 22.0,
         top: top + 6.0,
         bottom: bottom - 46.0,
         x,
         y,
-    })
+    };
+    if [&chart.x, &chart.y].iter().all(|axis| axis.kind == Kind::Plane) {
+        let (width, height) = (frame.x.span(), frame.y.span());
+        let [across, up] =
+            [(frame.right - frame.left) / width, (frame.bottom - frame.top) / height];
+        let pixels = across.min(up);
+        (frame.right, frame.bottom) = (frame.left + pixels * width, frame.top + pixels * height);
+    }
+    Some(frame)
 }
 
 fn axes(svg: &mut Svg, frame: &Frame, chart: &Chart) {

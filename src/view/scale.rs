@@ -12,6 +12,8 @@ pub enum Kind {
     Count,
     /// By powers of ten; what is not positive has no place.
     Log,
+    /// Evenly, both axes of the chart alike: a circle is round.
+    Plane,
 }
 
 /// An axis of a chart.
@@ -57,11 +59,17 @@ impl Axis {
         Self { label: label.into(), unit: Unit::None, kind: Kind::Log }
     }
 
+    /// One of two axes that a plane is seen over.
+    #[must_use]
+    pub fn plane(label: &str, unit: Unit) -> Self {
+        Self { label: label.into(), unit, kind: Kind::Plane }
+    }
+
     /// Whether `value` has a place.
     #[must_use]
     pub fn takes(&self, value: f64) -> bool {
         match self.kind {
-            Kind::Linear | Kind::Count => value.abs() <= LARGEST,
+            Kind::Linear | Kind::Count | Kind::Plane => value.abs() <= LARGEST,
             Kind::Log => (SMALLEST..=LARGEST).contains(&value),
         }
     }
@@ -90,7 +98,7 @@ impl Scale {
         let (low, high) = (low / factor, high / factor);
         let (from, to) = with_zero(low, high);
         let ticks = match axis.kind {
-            Kind::Linear => Ticks::linear(from, to, about),
+            Kind::Linear | Kind::Plane => Ticks::linear(from, to, about),
             Kind::Count => Ticks::whole(from, to, about),
             Kind::Log => Ticks::decades(low, high),
         };
@@ -104,6 +112,12 @@ impl Scale {
     /// Where `value` is between the first tick, 0, and the last, 1.
     pub(super) fn place(&self, value: f64) -> f64 {
         self.place_of_tick(value / self.factor)
+    }
+
+    /// From the first tick to the last, in the unit of the values.
+    pub(super) fn span(&self) -> f64 {
+        let (first, last) = self.ticks.range();
+        (last - first) * self.factor
     }
 
     /// Where a tick is.

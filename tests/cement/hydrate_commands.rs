@@ -239,7 +239,7 @@ fn a_step_goes_in_equal_parts_to_totals_and_the_next_one_begins_where_the_walls_
          - dissociate: {pore_pressure: 2.0e5, biot: 0.5, increments: 2}\n  \
          - uniaxial: {axis: z, strain: 1.0e-4, increments: 1}\n",
     );
-    let mut path = path::Path::new(&scene.load_path, Path::new(""), &pack.bounds).unwrap();
+    let mut path = path::Path::new(&scene, Path::new(""), &pack.bounds).unwrap();
     assert_eq!((path.length(), path.depends_on_the_twin()), (5, true));
     let mut here = path.whereabouts();
     let mut twin = Twin::new(&scene, &pack, 1).unwrap();

@@ -1,5 +1,4 @@
 //! Discs in the plane.
-
 #![allow(clippy::unwrap_used, reason = "a test that fails may panic")]
 
 #[path = "../common/cemented.rs"]
@@ -9,7 +8,9 @@ mod packs;
 
 mod balance;
 mod biaxial;
+mod bonds;
 mod crystal;
+mod crystals;
 mod discs;
 mod gradings;
 mod rescale;

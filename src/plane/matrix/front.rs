@@ -51,7 +51,6 @@ impl Front {
 
     /// Gathers the entries of the eliminated grains and what the children left, eliminates, and leaves
     /// the rest on the stack. Says whether all pivots were positive.
-    #[expect(clippy::too_many_arguments, reason = "the parts of one matrix")]
     pub(super) fn factorise(
         &mut self,
         tree: &Tree,
@@ -59,13 +58,14 @@ impl Front {
         shift: f64,
         factors: &mut Vec<f64>,
         stack: &mut Vec<f64>,
-        dense: &mut Vec<f64>,
         place: &mut [u32],
     ) -> bool {
         let (m, p) = (self.size(), self.pivots());
         let grains = self.grains(tree);
-        dense.clear();
-        dense.resize(m * m, 0.0);
+        // Eliminated where its factors stay; what it leaves is taken from behind them.
+        debug_assert_eq!(self.at, factors.len());
+        factors.resize(self.at + m * m, 0.0);
+        let dense = &mut factors[self.at..];
         for (k, &grain) in grains.iter().enumerate() {
             place[grain as usize] = k as u32;
         }
@@ -98,13 +98,10 @@ impl Front {
         if !dispatch(Eliminate { dense, m, p }) {
             return false;
         }
-        debug_assert_eq!(self.at, factors.len());
-        for column in 0..p {
-            factors.extend_from_slice(&dense[column * m..(column + 1) * m]);
-        }
         for column in p..m {
             stack.extend_from_slice(&dense[column * m + p..(column + 1) * m]);
         }
+        factors.truncate(self.at + m * p);
         debug_assert_eq!(self.leaves, (m - p) * (m - p));
         true
     }

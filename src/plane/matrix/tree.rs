@@ -3,7 +3,7 @@
 use crate::heap;
 
 /// A piece of at most this many grains is not cut further.
-const LEAF: usize = 10;
+const LEAF: usize = 6;
 
 /// Grains that are eliminated together, and the later ones that this couples.
 #[derive(Clone, Debug, Default)]
@@ -33,10 +33,16 @@ pub(super) struct Node {
 }
 
 impl Tree {
-    /// For grains at `position` with the pairs `start`, `second`.
-    pub(super) fn build(&mut self, position: &[[f64; 2]], start: &[u32], second: &[u32]) {
+    /// For grains at `position` with those of the pairs `start`, `second` that `couples`.
+    pub(super) fn build(
+        &mut self,
+        position: &[[f64; 2]],
+        start: &[u32],
+        second: &[u32],
+        couples: impl Fn(usize) -> bool,
+    ) {
         let n = position.len();
-        self.link(n, start, second);
+        self.link(n, start, second, couples);
         self.nodes.clear();
         self.grains.clear();
         self.rank.clear();
@@ -54,12 +60,12 @@ impl Tree {
         self.couple(pieces);
     }
 
-    fn link(&mut self, n: usize, start: &[u32], second: &[u32]) {
+    fn link(&mut self, n: usize, start: &[u32], second: &[u32], couples: impl Fn(usize) -> bool) {
         self.start.clear();
         self.start.resize(n + 1, 0);
         let rows = |i: usize| start[i] as usize..start[i + 1] as usize;
         for i in 0..n {
-            for k in rows(i) {
+            for k in rows(i).filter(|&k| couples(k)) {
                 self.start[i + 1] += 1;
                 self.start[second[k] as usize + 1] += 1;
             }
@@ -69,9 +75,9 @@ impl Tree {
         }
         let mut next = self.start.clone();
         self.links.clear();
-        self.links.resize(2 * second.len(), (0, 0));
+        self.links.resize(next[n] as usize, (0, 0));
         for i in 0..n {
-            for k in rows(i) {
+            for k in rows(i).filter(|&k| couples(k)) {
                 for (one, other) in [(i as u32, second[k]), (second[k], i as u32)] {
                     let place = &mut next[one as usize];
                     self.links[*place as usize] = (other, k as u32);
