@@ -11,7 +11,7 @@ use crate::contact::{Other, hertz, mindlin};
 use crate::pack::{Grain, Pack};
 use crate::plane;
 use crate::scene::{self, Cement, Coulomb, Law, Scene, Solver, Update, Walls};
-use crate::wall::Bounds;
+use crate::wall::{self, Bounds};
 use hydrate::Hydrate;
 
 /// Streams into which the grains are cut, then dealt one after the other.
@@ -235,6 +235,24 @@ impl Model {
     #[must_use]
     pub fn dimensions(&self) -> u8 {
         if self.plane.is_some() { 2 } else { 3 }
+    }
+
+    /// The box with its walls displaced inwards by `displacement` \[m\].
+    #[must_use]
+    pub fn bounds(&self, displacement: &[f64; wall::COUNT]) -> Bounds {
+        match &self.plane {
+            None => self.start.displaced(displacement),
+            Some(setup) => setup.cell.bounds(displacement),
+        }
+    }
+
+    /// Area of wall `w` then \[m²\].
+    #[must_use]
+    pub fn wall_area(&self, w: usize, displacement: &[f64; wall::COUNT]) -> f64 {
+        match &self.plane {
+            None => self.start.displaced(displacement).area(w),
+            Some(setup) => setup.cell.area(w, displacement),
+        }
     }
 
     /// Number of grains.

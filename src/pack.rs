@@ -24,7 +24,8 @@ pub use crystal::crystal;
 pub use csv::{Columns, Constants, PackFile, PackRow, read};
 pub use error::PackError;
 pub use history::{
-    BondMemory, ContactMemory, History, Kept, Layer, history_file, wall_index, wall_of,
+    BondMemory, ContactMemory, History, Kept, Layer, MOST_BODIES, body_of, history_file,
+    wall_index, wall_of,
 };
 pub use rescale::rescale;
 pub use save::{Texts, save, texts};

@@ -21,6 +21,8 @@ use std::path::{Path as FilePath, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::command::{Ask, Command, Dissociation, Mode, Stamp};
+use crate::plane::Cell;
+use crate::plane::cell::Side;
 use crate::report::{Demand, WallForces};
 use crate::scene::{LoadPath, MAX_COMMANDS, Scene, Step};
 use crate::sink::{Served, Sink};
@@ -219,6 +221,8 @@ struct Course {
     start: Bounds,
     /// Axes that have walls: x and y, and z but for discs.
     axes: usize,
+    /// What surrounds discs.
+    cell: Option<Cell>,
     /// What the last command has the walls do.
     targets: [WallTarget; wall::COUNT],
     /// Where the walls are by then, as far as it is known \[m\].
@@ -241,6 +245,7 @@ impl Course {
         Self {
             start,
             axes: 3,
+            cell: None,
             targets: [WallTarget::Displacement(0.0); wall::COUNT],
             displacement: [0.0; wall::COUNT],
             dissociated: (0.0, 0.0),
@@ -254,7 +259,17 @@ impl Course {
 
     /// Of the grains of `scene`.
     fn of(scene: &Scene, start: Bounds) -> Self {
-        Self { axes: usize::from(scene.dimension).min(3), ..Self::new(start) }
+        let cell = (scene.dimension == 2).then(|| Cell::new(&scene.walls, &start));
+        let mut course =
+            Self { axes: usize::from(scene.dimension).min(3), cell, ..Self::new(start) };
+        let Some(cell) = &course.cell else { return course };
+        for (w, side) in cell.sides.iter().enumerate() {
+            // A membrane cannot but carry its pressure.
+            if let Side::Membrane(pressure) = side {
+                course.targets[w] = WallTarget::Stress(*pressure);
+            }
+        }
+        course
     }
 
     /// Learns from the twin where loads and pore pressures took the walls, and what they carry.
@@ -280,7 +295,10 @@ impl Course {
 
     /// Normal stress on wall `w` when the step began \[Pa\].
     fn stress(&self, w: usize) -> f64 {
-        let area = self.bounds().area(w);
+        let area = match &self.cell {
+            None => self.bounds().area(w),
+            Some(cell) => cell.area(w, &self.displacement),
+        };
         if area > 0.0 { self.force[w] / area } else { 0.0 }
     }
 
@@ -298,6 +316,11 @@ impl Course {
     ) -> Result<(), PathError> {
         let was_loaded = self.is_loaded();
         for (w, target) in targets.into_iter().enumerate().take(2 * self.axes) {
+            // A membrane that is to stay goes on to press.
+            let stays = target == WallTarget::Displacement(self.displacement[w]);
+            if stays && self.cell.as_ref().is_some_and(|cell| cell.is_membrane(w)) {
+                continue;
+            }
             if target != WallTarget::Keep {
                 self.targets[w] = target;
             }

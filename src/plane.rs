@@ -13,18 +13,23 @@
 pub mod advance;
 pub mod balance;
 pub mod boundary;
+pub mod cell;
 mod commit;
 pub mod contacts;
 pub mod crack;
 mod floating;
 mod gauss_seidel;
 pub mod law;
+mod loads;
 pub mod matrix;
+pub mod membrane;
 mod newton;
+mod outline;
 pub mod reference;
 pub mod setup;
 mod work;
 
+pub use cell::Cell;
 pub use setup::{Law, Setup, Strength};
 pub use work::Workspace;
 

@@ -7,6 +7,7 @@ use crate::contact::Other;
 use crate::heap;
 use crate::model::Model;
 use crate::pack::{self, History, Layer};
+use crate::plane::boundary::SIDES;
 use crate::wall::{self, Bounds};
 
 pub use bond::{Bond, Condition};
@@ -28,6 +29,10 @@ pub struct State {
     pub displacement: [f64; wall::COUNT],
     /// Shear γ by which a pack of discs and its side walls lean; 0 for spheres.
     pub tilt: f64,
+    /// Pressure of the sides of a pack of discs that are membranes \[Pa\], 0 for others.
+    pub pressure: [f64; SIDES],
+    /// Where the outlines under them were on average at the start, out of the pack \[m\].
+    pub outline: [f64; SIDES],
     /// Energies of the contacts' shear and torsion.
     pub friction: Ledger,
     /// Work of the walls since the start \[J\].
@@ -149,6 +154,8 @@ impl State {
             carries: vec![true; model.len()],
             displacement: [0.0; wall::COUNT],
             tilt: 0.0,
+            pressure: [0.0; SIDES],
+            outline: [0.0; SIDES],
             friction: Ledger::default(),
             wall_work: 0.0,
             initial_energy: 0.0,
@@ -172,7 +179,7 @@ impl State {
             .iter()
             .map(|memory| {
                 let first = place[memory.first as usize];
-                let second = pack::wall_of(memory.second)
+                let second = pack::body_of(memory.second)
                     .map_or_else(|| Other::Grain(place[memory.second as usize]), Other::Wall);
                 let (first, second, sign) = match second {
                     Other::Grain(j) if j < first => (j, Other::Grain(first), -1.0),
@@ -204,7 +211,7 @@ impl State {
         self.bonds.clear();
         self.bonds.extend(bonds.iter().map(|memory| {
             let first = place[memory.first as usize];
-            let second = pack::wall_of(memory.second)
+            let second = pack::body_of(memory.second)
                 .map_or_else(|| Other::Grain(place[memory.second as usize]), Other::Wall);
             match second {
                 Other::Grain(j) if j < first => memory.bond(j, Other::Grain(first)),
@@ -289,6 +296,10 @@ impl State {
         if self.tilt != 0.0 {
             numbers(&[self.tilt], take);
         }
+        if self.pressure != [0.0; SIDES] {
+            numbers(&self.pressure, take);
+            numbers(&self.outline, take);
+        }
         if self.dissociated != Dissociated::default() {
             let Dissociated { lost, pressure, borne, work } = self.dissociated;
             numbers(&[lost, pressure, borne, work], take);
@@ -298,7 +309,16 @@ impl State {
     /// The box now.
     #[must_use]
     pub fn bounds(&self, model: &Model) -> Bounds {
-        model.start.displaced(&self.displacement)
+        model.bounds(&self.displacement)
+    }
+
+    /// Volume that the walls enclose now \[m³\].
+    #[must_use]
+    pub fn volume(&self, model: &Model) -> f64 {
+        match &model.plane {
+            None => self.bounds(model).volume(),
+            Some(setup) => setup.cell.volume(&self.displacement),
+        }
     }
 
     /// Copies `other` into this state without allocating.
@@ -310,6 +330,8 @@ impl State {
         self.carries.copy_from_slice(&other.carries);
         self.displacement = other.displacement;
         self.tilt = other.tilt;
+        self.pressure = other.pressure;
+        self.outline = other.outline;
         self.friction = other.friction;
         self.wall_work = other.wall_work;
         self.initial_energy = other.initial_energy;

@@ -39,6 +39,9 @@ pub enum TwinError {
     /// The history does not belong to the pack.
     #[error("the history of the pack: {0}")]
     History(String),
+    /// The pack does not fit between the walls of the scene.
+    #[error("the walls of the scene: {0}")]
+    Cell(String),
     /// The operating system gave no threads.
     #[error("cannot start {threads} solver threads: {source}")]
     Threads {
@@ -91,8 +94,13 @@ impl Twin {
         if pack.grains.is_empty() {
             return Err(TwinError::Empty);
         }
+        let cell = (scene.dimension == 2).then(|| plane::Cell::new(&scene.walls, &pack.bounds));
+        if let Some(cell) = &cell {
+            fits(cell, pack)?;
+        }
         if let Some(history) = &pack.history {
-            history.check(pack.grains.len()).map_err(TwinError::History)?;
+            let bodies = cell.as_ref().map_or(wall::COUNT, plane::Cell::bodies);
+            history.check_among(pack.grains.len(), bodies).map_err(TwinError::History)?;
         }
         let pool = ThreadPoolBuilder::new()
             .num_threads(threads)
@@ -107,9 +115,9 @@ impl Twin {
         Ok(Self {
             state,
             work: Workspace::new(&model),
-            gate: match &model.plane {
+            gate: match cell {
                 None => Gate::new(pack.bounds, &scene.node).with_hydrate(&model.hydrate),
-                Some(_) => Gate::new(pack.bounds, &scene.node).in_plane(),
+                Some(cell) => Gate::new(pack.bounds, &scene.node).in_plane(cell),
             },
             pool,
             increment: 0,
@@ -410,6 +418,20 @@ impl Twin {
             history: self.state.history(&self.model),
         }
     }
+}
+
+/// Whether the discs of `pack` are in `cell`.
+fn fits(cell: &plane::Cell, pack: &Pack) -> Result<(), TwinError> {
+    if let Some(text) = cell.unfit() {
+        return Err(TwinError::Cell(text));
+    }
+    for (row, grain) in pack.grains.iter().enumerate() {
+        let [x, y, _] = grain.position;
+        if let Some(text) = cell.shuts_out(plane::Vec2::new(x, y)) {
+            return Err(TwinError::Cell(format!("grain {row} {text}")));
+        }
+    }
+    Ok(())
 }
 
 /// Whether walls shall carry loads that the scene's method cannot balance.

@@ -62,7 +62,7 @@ impl From<PathError> for Failure {
 impl From<TwinError> for Failure {
     fn from(error: TwinError) -> Self {
         match error {
-            TwinError::Empty | TwinError::History(_) => Self::input(error),
+            TwinError::Empty | TwinError::History(_) | TwinError::Cell(_) => Self::input(error),
             TwinError::Threads { .. } => Self::other(error),
         }
     }

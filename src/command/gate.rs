@@ -8,6 +8,7 @@ mod setpoint;
 use std::collections::VecDeque;
 
 use crate::command::{Ask, Command, Disposition, Dissociation, Mode, Stamp};
+use crate::plane::Cell;
 use crate::report::Report;
 use crate::scene::{self, Fault, Limits};
 use crate::wall::{self, Bounds, Setpoint, WallTarget};
@@ -64,8 +65,8 @@ pub struct Gate {
     displacement: [f64; wall::COUNT],
     /// What hydrate there is, and what became of it.
     hydrate: hydrate::Stock,
-    /// Walls that there are: discs have no z walls.
-    walls: usize,
+    /// What surrounds discs; `None` for spheres between six walls.
+    cell: Option<Cell>,
 }
 
 /// The last command of a session that took a place in its sequence.
@@ -94,14 +95,22 @@ impl Gate {
             now: wall::standing(&displacement),
             displacement,
             hydrate: hydrate::Stock::default(),
-            walls: wall::COUNT,
+            cell: None,
         }
     }
 
-    /// The same for discs, which have no z walls.
+    /// The same for discs in `cell`.
     #[must_use]
-    pub fn in_plane(self) -> Self {
-        Self { walls: 4, ..self }
+    pub fn in_plane(self, cell: Cell) -> Self {
+        Self { cell: Some(cell), ..self }
+    }
+
+    /// The box with walls displaced inwards by `displacement` \[m\].
+    fn bounds(&self, displacement: &[f64; wall::COUNT]) -> Bounds {
+        match &self.cell {
+            None => self.start.displaced(displacement),
+            Some(cell) => cell.bounds(displacement),
+        }
     }
 
     /// From now on commands older than `seconds` are refused unless that is 0.

@@ -30,7 +30,7 @@ pub fn fabric(model: &Model, state: &State, contacts: &Contacts, share: f64) -> 
     let rubbing: Vec<&Contact> =
         counted.iter().copied().filter(|one| one.cement != Some(Condition::Intact)).collect();
     let chains = chains::chains(model.len(), &pressing, share);
-    let stress = stress::from_contacts(&contacts.list, &state.bounds(model));
+    let stress = stress::in_volume(&contacts.list, state.volume(model));
     let numbers = coordination::numbers(model, counted.iter().copied());
     Fabric {
         contacts: counted.len() as u32,

@@ -7,9 +7,9 @@ use crate::measure::contacts::Contact;
 use crate::model::Model;
 use crate::wall::Bounds;
 
-/// Pore volume over total volume (T 2.19).
+/// Pore volume over total volume `volume` \[m³\] (T 2.19).
 #[must_use]
-pub fn porosity(model: &Model, contacts: &[Contact], bounds: &Bounds) -> f64 {
+pub fn porosity(model: &Model, contacts: &[Contact], volume: f64) -> f64 {
     let spheres: f64 = model.radius.iter().map(|&r| model.grain_volume(r)).sum();
     let caps: f64 = contacts
         .iter()
@@ -19,7 +19,7 @@ pub fn porosity(model: &Model, contacts: &[Contact], bounds: &Bounds) -> f64 {
             first + second
         })
         .sum();
-    1.0 - (spheres - caps) / bounds.volume()
+    1.0 - (spheres - caps) / volume
 }
 
 /// Volumes of hydrate and pores \[m³\].

@@ -6,6 +6,7 @@ use crate::Vec3;
 use crate::contact::neighbours::{Neighbours, wall_gap};
 use crate::model::Model;
 use crate::pack::wall_index;
+use crate::plane::boundary;
 use crate::relax::jump::{Jump, Pose};
 use crate::report::{Event, EventEnd, EventKind, Rearrangement, Snapshot};
 
@@ -91,6 +92,8 @@ fn contacts(model: &Model, pose: &Pose) -> Vec<[u32; 2]> {
     let bounds = pose.bounds(model);
     let mut near = Neighbours::default();
     near.refresh(model, &pose.position, &bounds);
+    let mut bodies = Vec::new();
+    boundary::bodies(model, &pose.displacement, 0.0, &mut bodies);
     let mut pairs: Vec<([u32; 2], f64)> = Vec::new();
     for (i, at) in pose.position.iter().enumerate() {
         let first = model.order[i];
@@ -99,6 +102,12 @@ fn contacts(model: &Model, pose: &Pose) -> Vec<[u32; 2]> {
             let second = model.order[j];
             let overlap = near.reach(model, i, k) - (at - pose.position[j]).norm();
             pairs.push(([first.min(second), first.max(second)], overlap));
+        }
+        if model.plane.is_some() {
+            let touches =
+                bodies.iter().map(|body| (body.side, body.near(at.xy(), model.radius[i])));
+            pairs.extend(touches.map(|(side, near)| ([first, wall_index(side)], near.overlap)));
+            continue;
         }
         for (wall, reach) in near.walls_near(model, i) {
             let overlap = reach - wall_gap(at, usize::from(wall), &bounds);

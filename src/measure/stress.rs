@@ -25,13 +25,19 @@ pub fn from_walls(walls: &WallForces, bounds: &Bounds) -> Matrix3<f64> {
 /// Love-Weber stress \[Pa\]: T 2.13 with each grain-grain contact taken once.
 #[must_use]
 pub fn from_contacts(contacts: &[Contact], bounds: &Bounds) -> Matrix3<f64> {
+    in_volume(contacts, bounds.volume())
+}
+
+/// The same of contacts in the volume `volume` \[m³\].
+#[must_use]
+pub fn in_volume(contacts: &[Contact], volume: f64) -> Matrix3<f64> {
     let mut sum = Matrix3::zeros();
     for contact in contacts {
         // r_ij between grains, n̂w (Ri - h) at a wall: either way along the normal.
         let branch = contact.normal * contact.distance;
         sum += (contact.normal * contact.force + contact.shear) * branch.transpose();
     }
-    sum / bounds.volume()
+    sum / volume
 }
 
 /// Engineering strain of the box against `reference` (T 2.10, positive in compression).

@@ -6,6 +6,7 @@ use crate::contact::hertz;
 use crate::contact::neighbours::{Neighbours, wall_gap};
 use crate::measure::contacts::Contact;
 use crate::model::Model;
+use crate::plane::boundary::pressed;
 use crate::report::WallForces;
 use crate::state::State;
 use crate::wall::{self, Bounds};
@@ -65,7 +66,14 @@ pub fn forces(model: &Model, state: &State, contacts: &[Contact]) -> WallForces 
             let at = state.position[contact.first as usize] - contact.normal * contact.distance;
             force[w] += on_wall;
             moment[w] += (at - center).cross(&on_wall) - contact.normal * contact.torsion;
-            normal_force[w] += contact.force;
+            normal_force[w] += pressed(model, contact, w, state.tilt);
+        }
+    }
+    let membranes = model.plane.iter().flat_map(|setup| (0..4).map(move |w| (w, &setup.cell)));
+    for (w, cell) in membranes.filter(|(w, cell)| cell.is_membrane(*w)) {
+        normal_force[w] = state.pressure[w] * cell.area(w, &state.displacement);
+        if cell.is_paired() {
+            force[w][wall::axis(w)] = -wall::inward(w) * normal_force[w];
         }
     }
     WallForces {

@@ -200,7 +200,7 @@ impl Press {
         let solver = Solver { method: Method::Newton, max_iterations, ..solver };
         let model = Model::with(pack, walls, [0.0; 3], solver, None);
         let work = Workspace::new(&model);
-        Self { state: State::new(&model), work, walls: *walls, model }
+        Self { state: State::new(&model), work, walls: walls.clone(), model }
     }
 
     /// Pushes the scattered grains apart.

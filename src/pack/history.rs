@@ -6,11 +6,15 @@ mod file;
 
 use serde::{Deserialize, Serialize};
 
+use crate::scene::MOST_POINTS;
 use crate::wall;
 
 pub use bond::{BondMemory, Kept};
 pub use file::history_file;
 pub(super) use file::{parse, read, to_json};
+
+/// Most walls and points that surround a pack.
+pub const MOST_BODIES: usize = wall::COUNT + MOST_POINTS;
 
 /// Rotations and contact history of a pack, in the order of the pack file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -32,7 +36,7 @@ pub struct History {
 pub struct ContactMemory {
     /// Grain index.
     pub first: u32,
-    /// Grain index above `first`, or `u32::MAX - w` for wall w.
+    /// Grain index above `first`, or `u32::MAX - w` for wall w; points of discs follow the four sides.
     pub second: u32,
     /// Tangential force on `first` \[N\].
     pub shear: [f64; 3],
@@ -84,4 +88,10 @@ pub fn wall_index(wall: u8) -> u32 {
 #[must_use]
 pub fn wall_of(index: u32) -> Option<u8> {
     u8::try_from(u32::MAX - index).ok().filter(|&w| usize::from(w) < wall::COUNT)
+}
+
+/// The wall, or the point beyond the first of a side of discs, that `index` names; `None` for a grain.
+#[must_use]
+pub fn body_of(index: u32) -> Option<u8> {
+    u8::try_from(u32::MAX - index).ok().filter(|&body| usize::from(body) < MOST_BODIES)
 }

@@ -1,6 +1,7 @@
 //! Equal parts of the way of each wall to its target.
 
 use super::{Course, INCREMENT_NANOSECONDS, PathError};
+use crate::plane::Cell;
 use crate::scene::WallsStep;
 use crate::wall::{self, WallTarget};
 
@@ -16,7 +17,8 @@ pub(super) fn in_parts(
     course: &mut Course,
 ) -> Result<(), PathError> {
     let from = std::array::from_fn::<_, { wall::COUNT }, _>(|w| {
-        let together = ends[w] == ends[w ^ 1];
+        let paired = course.cell.as_ref().is_none_or(Cell::is_paired);
+        let together = paired && ends[w] == ends[w ^ 1];
         let mean = |of: &dyn Fn(usize) -> f64| match together {
             true => 0.5 * (of(w) + of(w ^ 1)),
             false => of(w),

@@ -2,13 +2,12 @@
 
 use super::boundary::{self, SIDES};
 use super::work::{Drive, Workspace};
-use super::{commit, contacts, crack, gauss_seidel, newton};
+use super::{commit, contacts, crack, gauss_seidel, loads, newton};
 use crate::contact::neighbours::Neighbours;
 use crate::model::Model;
 use crate::relax::Outcome;
 use crate::relax::advance::{
-    Advance, add_work, part_of_the_way, present, remaining_load, remaining_strain, standing_target,
-    strain_limit,
+    Advance, part_of_the_way, remaining_load, standing_target, strain_limit,
 };
 use crate::relax::jump::{Jump, Pose};
 use crate::relax::servo::Drive as Load;
@@ -36,7 +35,11 @@ pub fn settle(
     near: &mut Neighbours,
 ) -> Advance {
     work.jumps.clear();
+    loads::wrap(model, state);
     work.begin(model, state, near, true);
+    for membrane in &work.membranes {
+        state.outline[membrane.side] = membrane.position(&work.pose.at);
+    }
     work.drives.clear();
     let mut reached = Advance::at(solve(model, state, work, near));
     if reached.outcome.status.is_equilibrium() {
@@ -72,15 +75,15 @@ pub fn advance(
     let mut so_far = Advance::at(here);
     near.refresh(model, &state.position, &state.bounds(model));
     let mut forces = contacts::normal_forces(model, state, near);
-    let goal = Load::of(setpoint);
-    let mut loads = present(&goal, &forces, &state.bounds(model));
+    let goal = loads::of(model, setpoint);
+    let mut loads = loads::present(model, &goal, &forces, state);
     loop {
         let target = standing_target(setpoint, state);
         if state.displacement == target && loads == goal && so_far.substeps > 0 {
             return so_far;
         }
         let limit = strain_limit(model, &so_far.outcome);
-        let way = remaining_strain(model, state, &target) / limit;
+        let way = loads::remaining_strain(model, state, &target) / limit;
         let load = remaining_load(model, &loads, &goal, &so_far.outcome) / limit.max(LOAD_STRAIN);
         let parts = (way.max(load) * (1.0 - ROUNDING)).ceil().max(1.0);
         let mut share = 1.0 / parts;
@@ -91,6 +94,7 @@ pub fn advance(
             work.begin(model, state, near, false);
             let aim = part_of_the_way(&loads, &goal, share);
             let ways = move_walls(model, state, work, &target, share);
+            loads::press(model, state, work, &aim);
             set_drives(work, &aim, state, model);
             if !work.drives.is_empty() || ways != [0.0; SIDES] {
                 newton::predict(model, state, work, near);
@@ -118,7 +122,7 @@ pub fn advance(
         near.refresh(model, &state.position, &state.bounds(model));
         let next = contacts::normal_forces(model, state, near);
         let worked = state.wall_work;
-        add_work(state, &last.displacement, &forces, &next);
+        loads::add_work(state, &last, work, (&forces, &next));
         forces = next;
         if let Some(jump) = work.jumps.last_mut() {
             // What is neither stored nor lost by slip was lost in the jump.
@@ -137,13 +141,15 @@ pub fn advance(
 
 /// Turns the loads of walls into drives of the sides, with the areas of `state`.
 fn set_drives(work: &mut Workspace, loads: &[Load], state: &State, model: &Model) {
-    let bounds = state.bounds(model);
     work.drives.clear();
-    work.drives.extend(loads.iter().filter(|load| load.axis < 2).map(|load| {
+    let Some(setup) = &model.plane else { return };
+    let driven = loads.iter().filter(|load| !setup.cell.is_membrane(loads::side(load)));
+    work.drives.extend(driven.map(|load| {
         let mut shares = [0.0; SIDES];
         shares[2 * load.axis..2 * load.axis + 2].copy_from_slice(&load.shares);
         // Both walls of a pair carry the load each; together they move by the way of the drive.
-        Drive { shares, force: load.goal(&bounds), stress: load.stress() }
+        let area = model.wall_area(loads::side(load), &state.displacement);
+        Drive { shares, force: load.load.force(area), stress: load.stress() }
     }));
 }
 
@@ -181,6 +187,7 @@ fn solve(model: &Model, state: &mut State, work: &mut Workspace, near: &mut Neig
     for at in before.position.iter_mut().zip(&work.pose.at) {
         (at.0.x, at.0.y) = (at.1.x, at.1.y);
     }
+    work.follow(model, state);
     let mut concave = false;
     let mut virial: Option<f64> = None;
     let mut renewals = 0;
@@ -200,7 +207,8 @@ fn solve(model: &Model, state: &mut State, work: &mut Workspace, near: &mut Neig
             return outcome;
         }
         let opened = newton::open(model, state, work);
-        let loaded = renew_loads(model, state, work);
+        let bent = work.follow(model, state);
+        let loaded = renew_loads(model, state, work) || bent;
         let limited = current && renewals < RENEWALS && renew_limits(model, state, work);
         renewals += 1;
         if !(opened || loaded || limited) {
@@ -221,12 +229,11 @@ fn renew_limits(model: &Model, state: &State, work: &mut Workspace) -> bool {
 
 /// Forces of the loads that are stresses follow the areas; says whether any changed.
 fn renew_loads(model: &Model, state: &State, work: &mut Workspace) -> bool {
-    let bounds = state.bounds(model);
     let mut changed = false;
     for drive in &mut work.drives {
         let Some(stress) = drive.stress else { continue };
         let side = drive.shares.iter().position(|share| *share != 0.0).unwrap_or(0);
-        let force = stress * bounds.area(side);
+        let force = stress * model.wall_area(side, &state.displacement);
         changed |= (force - drive.force).abs() > SETTLED * force;
         drive.force = force;
     }
@@ -255,7 +262,7 @@ fn jump(
     if grains.is_empty() {
         return None;
     }
-    let volume = 2.0 * state.bounds(model).volume();
+    let volume = 2.0 * state.volume(model);
     let mut after = Pose::default();
     after.copy(state);
     Some(Jump {
@@ -300,7 +307,9 @@ fn break_bonds(
         let changes = commit::commit(model, state, work);
         so_far.count(changes);
         let has = outcome.sums.energy + ledger(state);
-        let released = had - has - work.jumps.iter().map(Jump::released).sum::<f64>();
+        let worked: f64 = work.membranes.iter().map(|m| m.work(&work.pose.at, m.pressure)).sum();
+        state.wall_work += worked;
+        let released = had + worked - has - work.jumps.iter().map(Jump::released).sum::<f64>();
         state.friction.broken += released;
         near.refresh(model, &state.position, &state.bounds(model));
         let end = crack::Ends::of(model, state, &contacts::of(model, state, near), &crack);

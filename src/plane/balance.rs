@@ -3,6 +3,7 @@
 use super::boundary::{Body, SIDES, Shape};
 use super::law::{self, Answer};
 use super::matrix::{Block, FREEDOMS, Matrix};
+use super::membrane::Membrane;
 use super::reference::{Joint, Reference};
 use super::{Setup, Vec2, left_of};
 use crate::contact::Other;
@@ -83,6 +84,8 @@ pub struct Scenery<'a> {
     pub reference: &'a Reference,
     /// What surrounds the grains.
     pub bodies: &'a [Body],
+    /// Membranes around them.
+    pub membranes: &'a [Membrane],
     /// Grains that take part.
     pub carries: &'a [bool],
     /// Whether every contact goes on as in the last increment: those that slid then slide, all others
@@ -140,7 +143,7 @@ impl Scenery<'_> {
                     let station = (pose.at[i] - body.at).dot(&left_of(normal));
                     act.slide(joint, station - joint.station - rolled, 1.0, self.goes_on);
                 }
-                Shape::Disc(_) | Shape::Ring(_) => {
+                Shape::Disc(_) | Shape::Ring(_) | Shape::Nothing => {
                     let way = joint.span * angle(&joint.along, &near.along);
                     let pitch = joint.span / near.distance;
                     act.slide(joint, way - rolled, pitch, self.goes_on);
@@ -228,6 +231,8 @@ pub struct Balance {
     pub support: Vec<u32>,
     /// Force below which a contact is faint \[N\].
     pub faint: f64,
+    /// Potential of the membranes \[J\]; not of what the pack stores.
+    pub pressure_potential: f64,
     /// How often the balance was taken.
     pub evaluations: u64,
 }
@@ -235,7 +240,7 @@ pub struct Balance {
 impl Balance {
     /// Takes the balance of `pose`.
     pub fn evaluate(&mut self, scenery: &Scenery<'_>, pose: &Pose) {
-        let Scenery { model, setup, reference, bodies, carries, .. } = scenery;
+        let Scenery { model, setup, reference, bodies, membranes, carries, .. } = scenery;
         self.evaluations += 1;
         self.gradient.clear();
         self.gradient.resize(FREEDOMS * pose.at.len(), 0.0);
@@ -244,6 +249,7 @@ impl Balance {
         self.sides = [0.0; SIDES];
         self.sums = Sums::NONE;
         self.shear_potential = 0.0;
+        self.pressure_potential = 0.0;
         for joint in &reference.pairs {
             let Some(act) = scenery.pair(joint, pose) else { continue };
             let Other::Grain(j) = joint.second else { continue };
@@ -263,6 +269,12 @@ impl Balance {
             self.sides[body.side as usize] += Self::pressed(&act, body);
             self.support[joint.first as usize] += self.holds(joint, &act);
             self.count(&act);
+        }
+        for membrane in *membranes {
+            membrane.add_gradient(pose, &mut self.gradient);
+            // A membrane holds what it presses on.
+            membrane.chain.iter().for_each(|&grain| self.support[grain as usize] += 2);
+            self.pressure_potential += membrane.potential(pose);
         }
         let gravity = Vec2::new(model.gravity.x, model.gravity.y);
         if model.has_gravity() {
@@ -311,7 +323,7 @@ impl Balance {
         }
     }
 
-    /// Potential of everything \[J\].
+    /// Potential of the pack \[J\].
     #[must_use]
     pub fn potential(&self) -> f64 {
         self.sums.energy + self.shear_potential
@@ -346,7 +358,7 @@ impl Slope {
     /// Takes the derivative at `pose`, or with `convex` what is positive in it contact by contact: no
     /// contact then pushes its grains aside.
     pub fn assemble(&mut self, scenery: &Scenery<'_>, pose: &Pose, convex: bool) {
-        let Scenery { model, setup, reference, bodies, carries, .. } = scenery;
+        let Scenery { model, setup, reference, bodies, membranes, carries, .. } = scenery;
         self.matrix.clear();
         self.corner = [0.0; SIDES];
         for column in &mut self.columns {
@@ -389,6 +401,13 @@ impl Slope {
             self.corner[side] += corner;
         }
         self.slides = slides;
+        let Matrix { diagonal, pairs, .. } = &mut self.matrix;
+        let mut links = &mut pairs[reference.pairs.len()..];
+        for membrane in *membranes {
+            let (own, rest) = std::mem::take(&mut links).split_at_mut(membrane.links().count());
+            membrane.add_slope(diagonal, own);
+            links = rest;
+        }
         for (block, carries) in self.matrix.diagonal.iter_mut().zip(*carries) {
             // What is not solved for stays.
             let solved = match (*carries, setup.turns) {
@@ -508,7 +527,12 @@ fn add(to: &mut Block, block: &Block) {
 
 impl Slope {
     /// Adds the product of the derivative over the grains with `of`, three numbers a grain, to `to`.
-    pub fn multiply(&self, of: &[f64], reference: &Reference, to: &mut [f64]) {
+    pub fn multiply(
+        &self,
+        of: &[f64],
+        (reference, links): (&Reference, &[(u32, u32)]),
+        to: &mut [f64],
+    ) {
         for (i, block) in self.matrix.diagonal.iter().enumerate() {
             for (a, row) in block.iter().enumerate() {
                 for (b, entry) in row.iter().enumerate() {
@@ -516,9 +540,13 @@ impl Slope {
                 }
             }
         }
-        for (joint, block) in reference.pairs.iter().zip(&self.matrix.pairs) {
-            let Other::Grain(j) = joint.second else { continue };
-            let (i, j) = (FREEDOMS * joint.first as usize, FREEDOMS * j as usize);
+        let pairs = reference.pairs.iter().filter_map(|joint| match joint.second {
+            Other::Grain(j) => Some((joint.first, j)),
+            Other::Wall(_) => None,
+        });
+        let links = links.iter().map(|&(i, j)| (i.min(j), i.max(j)));
+        for ((i, j), block) in pairs.chain(links).zip(&self.matrix.pairs) {
+            let (i, j) = (FREEDOMS * i as usize, FREEDOMS * j as usize);
             for (a, row) in block.iter().enumerate() {
                 for (b, entry) in row.iter().enumerate() {
                     to[i + a] += entry * of[j + b];

@@ -1,6 +1,7 @@
 //! What surrounds the grains: bodies that the sides of the rig move.
 
 use super::Vec2;
+use crate::measure::contacts::Contact;
 use crate::model::Model;
 use crate::wall::{self, Bounds};
 
@@ -20,6 +21,8 @@ pub struct Body {
     pub slide: Vec2,
     /// What the overlap of a grain gains over the inward displacement of the side while `at` stays.
     pub growth: f64,
+    /// Curvature of its surface at the start \[1/m\], negative where the pack is inside.
+    pub curvature: f64,
 }
 
 /// Shape of a body.
@@ -31,6 +34,8 @@ pub enum Shape {
     Disc(f64),
     /// All but a disc of this radius \[m\]; the pack is inside.
     Ring(f64),
+    /// Nothing: no grain touches it.
+    Nothing,
 }
 
 /// How a grain is to a body.
@@ -47,6 +52,19 @@ pub struct Near {
 }
 
 impl Body {
+    /// A side without a body.
+    pub(super) fn nothing(side: usize) -> Self {
+        let (at, slide) = (Vec2::zeros(), Vec2::zeros());
+        let shape = Shape::Nothing;
+        Self { side: side as u8, at, shape, slide, growth: 0.0, curvature: 0.0 }
+    }
+
+    /// Effective radius \[m\] of its contact with a grain of radius `radius` \[m\], 1/(1/R + curvature).
+    #[must_use]
+    pub fn effective_radius(&self, radius: f64) -> f64 {
+        radius / (1.0 + radius * self.curvature)
+    }
+
     /// How a grain of radius `radius` \[m\] at `at` is to it.
     #[must_use]
     pub fn near(&self, at: Vec2, radius: f64) -> Near {
@@ -59,7 +77,9 @@ impl Body {
             Shape::Disc(own) => {
                 let distance = branch.norm();
                 let overlap = radius + own - distance;
-                Near { along: branch / distance, distance, sign: 1.0, overlap }
+                // As in a ring.
+                let along = if distance > 0.0 { branch / distance } else { Vec2::x() };
+                Near { along, distance, sign: 1.0, overlap }
             }
             Shape::Ring(own) => {
                 let distance = branch.norm();
@@ -67,6 +87,12 @@ impl Body {
                 let along = if distance > 0.0 { branch / distance } else { Vec2::x() };
                 Near { along, distance, sign: -1.0, overlap: radius + distance - own }
             }
+            Shape::Nothing => Near {
+                along: Vec2::x(),
+                distance: f64::INFINITY,
+                sign: 1.0,
+                overlap: f64::NEG_INFINITY,
+            },
         }
     }
 
@@ -78,28 +104,52 @@ impl Body {
     }
 }
 
-/// The bodies of `model` with its sides displaced inwards by `displacement` \[m\] and tilted by `tilt`.
+/// The bodies of `model` with its sides displaced inwards by `displacement` \[m\] and tilted by `tilt`:
+/// the first four are those of the sides, beyond them are further points.
 ///
 /// A tilt by γ shears the box: what is at a height of y above its middle at the start moves along x by
 /// γ y, and the side walls lean (B 3.3.4).
 pub fn bodies(model: &Model, displacement: &[f64; wall::COUNT], tilt: f64, bodies: &mut Vec<Body>) {
+    bodies.clear();
+    let Some(setup) = &model.plane else { return };
     let bounds = model.start.displaced(displacement);
     let start = middle(&model.start);
     let lean = Vec2::new(1.0, -tilt) / tilt.hypot(1.0);
-    bodies.clear();
-    for side in 0..SIDES {
-        let inward = wall::inward(side);
-        let position = bounds.position(side);
-        let (at, normal, slide) = match wall::axis(side) {
-            0 => (Vec2::new(position, start.y), lean * inward, Vec2::new(inward, 0.0)),
-            _ => {
-                let at = Vec2::new(start.x + tilt * (position - start.y), position);
-                (at, Vec2::new(0.0, inward), Vec2::new(tilt, 1.0) * inward)
-            }
-        };
-        let shape = Shape::Plane(normal);
-        bodies.push(Body { side: side as u8, at, shape, slide, growth: 0.0 });
+    setup.cell.shapes(displacement, |side, body| {
+        bodies.push(body.unwrap_or_else(|| {
+            let inward = wall::inward(side);
+            let position = bounds.position(side);
+            let slide = slide(side, tilt);
+            let (at, normal) = match wall::axis(side) {
+                0 => (Vec2::new(position, start.y), lean * inward),
+                _ => {
+                    let at = Vec2::new(start.x + tilt * (position - start.y), position);
+                    (at, Vec2::new(0.0, inward))
+                }
+            };
+            let shape = Shape::Plane(normal);
+            Body { side: side as u8, at, shape, slide, growth: 0.0, curvature: 0.0 }
+        }));
+    });
+}
+
+/// Way of a plane side over its inward displacement.
+fn slide(side: usize, tilt: f64) -> Vec2 {
+    let inward = wall::inward(side);
+    match wall::axis(side) {
+        0 => Vec2::new(inward, 0.0),
+        _ => Vec2::new(tilt, 1.0) * inward,
     }
+}
+
+/// What `contact` presses side `side` with, against its inward displacement \[N\].
+#[must_use]
+pub fn pressed(model: &Model, contact: &Contact, side: usize, tilt: f64) -> f64 {
+    if model.plane.as_ref().is_none_or(|setup| setup.cell.inner.is_some()) {
+        return contact.force;
+    }
+    let on_grain = contact.normal * contact.force + contact.shear;
+    Vec2::new(on_grain.x, on_grain.y).dot(&slide(side, tilt))
 }
 
 /// Middle of a box \[m\].
@@ -112,8 +162,12 @@ fn middle(bounds: &Bounds) -> Vec2 {
 /// along affinely.
 #[must_use]
 pub fn carried(model: &Model, bounds: &Bounds, tilt: f64, ways: &[f64; SIDES], at: Vec2) -> Vec2 {
-    let start = middle(&model.start);
     let sides = bounds.sides();
+    let cell = model.plane.as_ref().map(|setup| &setup.cell);
+    if let Some(way) = cell.and_then(|cell| cell.carried(0.5 * sides[0], ways, at)) {
+        return way;
+    }
+    let start = middle(&model.start);
     let up = (at.y - bounds.min[1]) / sides[1];
     let across = (at.x - bounds.min[0] - tilt * (at.y - start.y)) / sides[0];
     let along_x = ways[0] * (1.0 - across) - ways[1] * across;

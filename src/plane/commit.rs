@@ -18,13 +18,13 @@ pub(super) fn commit(model: &Model, state: &mut State, work: &mut Workspace) -> 
         rotation.z += turn;
     }
     let Some(friction) = &model.friction else { return changes };
-    let Workspace { reference, bodies, pose, memory, .. } = work;
+    let Workspace { reference, bodies, membranes, pose, memory, .. } = work;
     memory.clear();
     let mut ledger = Ledger { stored: 0.0, ..state.friction };
     let mut had = 0.0;
     {
-        let scenery =
-            Scenery { model, setup, reference, bodies, carries: &state.carries, goes_on: false };
+        let (carries, goes_on) = (&state.carries, false);
+        let scenery = Scenery { model, setup, reference, bodies, membranes, carries, goes_on };
         let pairs = reference.pairs.iter().map(|joint| (joint, scenery.pair(joint, pose)));
         let edges = reference.edges.iter().map(|joint| (joint, scenery.edge(joint, pose)));
         for (joint, act) in pairs.chain(edges) {
@@ -42,7 +42,8 @@ pub(super) fn commit(model: &Model, state: &mut State, work: &mut Workspace) -> 
             };
             let force = act.shear.force;
             let (first, second) = joint.key();
-            let stiffness = setup.law.shear_stiffness(model, first, second, act.overlap);
+            let stiffness =
+                setup.law.shear_stiffness(model, (first, second), joint.radius, act.overlap);
             let now = law::Shear { stiffness, ..joint.shear };
             let stored = now.stored(force);
             ledger.slip += joint.shear.lost(act.slid);

@@ -3,8 +3,8 @@
 use super::boundary::{self, Body};
 use super::{Vec2, law};
 use crate::Vec3;
-use crate::contact::Other;
 use crate::contact::neighbours::Neighbours;
+use crate::contact::{Other, hertz};
 use crate::measure::contacts::{AT_LIMIT, Contact, Contacts};
 use crate::model::Model;
 use crate::state::{Condition, State};
@@ -48,7 +48,9 @@ pub fn of(model: &Model, state: &State, near: &Neighbours) -> Contacts {
             if touch.overlap <= 0.0 {
                 continue;
             }
-            let force = law::normal(setup.law, near.wall_modulus[i], touch.overlap, false).force;
+            let compliance = model.compliance[i] + model.wall_compliance;
+            let modulus = hertz::modulus(body.effective_radius(model.radius[i]), compliance);
+            let force = law::normal(setup.law, modulus, touch.overlap, false).force;
             let normal = touch.along * touch.sign;
             let lever = model.radius[i] - touch.overlap;
             let normal = Vec3::new(normal.x, normal.y, 0.0);
@@ -109,13 +111,20 @@ fn bare(
     }
 }
 
-/// Normal force on each wall \[N\]; the z walls of a pack of discs carry none.
+/// Force on each side against its inward displacement \[N\], its normal force; the z walls of a pack of discs carry none.
 #[must_use]
 pub fn normal_forces(model: &Model, state: &State, near: &Neighbours) -> [f64; wall::COUNT] {
     let mut forces = [0.0; wall::COUNT];
     for contact in &of(model, state, near).list {
         if let Other::Wall(side) = contact.second {
-            forces[usize::from(side)] += contact.force;
+            let side = usize::from(side);
+            forces[side] += boundary::pressed(model, contact, side, state.tilt);
+        }
+    }
+    let Some(setup) = &model.plane else { return forces };
+    for (side, pressure) in state.pressure.into_iter().enumerate() {
+        if setup.cell.is_membrane(side) {
+            forces[side] = pressure * setup.cell.area(side, &state.displacement);
         }
     }
     forces

@@ -158,9 +158,8 @@ impl Ends {
         };
         let own = |c: &Contact| (c.first, c.second) == (crack.first, crack.second);
         let both = [crack.first as usize, j as usize];
-        let bounds = state.bounds(model);
         Self {
-            stress: stress::from_contacts(&contacts.list, &bounds).trace() / 3.0,
+            stress: stress::in_volume(&contacts.list, state.volume(model)).trace() / 3.0,
             at: both.map(|k| state.position[k]),
             turn: both.map(|k| state.rotation[k]),
             apart: !contacts.list.iter().any(own),

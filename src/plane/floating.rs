@@ -47,7 +47,7 @@ pub(super) fn drop_loose(model: &Model, state: &mut State, work: &mut Workspace)
     if model.has_gravity() {
         return false;
     }
-    work.balance.faint = FAINT * work.balance.sums.mean_force();
+    work.balance.faint = (FAINT * work.balance.sums.mean_force()).max(work.negligible);
     let mut dropped = false;
     loop {
         let Workspace { balance, floating, .. } = work;

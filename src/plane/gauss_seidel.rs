@@ -89,7 +89,7 @@ pub(super) fn relax(
             if floating::rejoin(model, state, work) {
                 continue;
             }
-            let none = work.balance.sums.contacts == 0;
+            let none = work.balance.sums.mean_force() <= work.negligible;
             outcome.status = if none { Status::Unjammed } else { Status::Converged };
             return outcome;
         }
@@ -111,7 +111,7 @@ pub(super) fn relax(
 /// Brings every grain to its own equilibrium, one after the other.
 fn sweep(model: &Model, state: &State, work: &mut Workspace, adjacency: &Adjacency) {
     let Some(setup) = &model.plane else { return };
-    let Workspace { reference, bodies, pose, .. } = work;
+    let Workspace { reference, bodies, membranes, pose, .. } = work;
     for i in (0..model.len()).filter(|&i| state.carries[i]) {
         let mut force = Vector3::zeros();
         let mut slope = Matrix3::zeros();
@@ -121,6 +121,7 @@ fn sweep(model: &Model, state: &State, work: &mut Workspace, adjacency: &Adjacen
                 setup,
                 reference,
                 bodies,
+                membranes,
                 carries: &state.carries,
                 goes_on: false,
             };
@@ -143,6 +144,10 @@ fn sweep(model: &Model, state: &State, work: &mut Workspace, adjacency: &Adjacen
                 let block = own_block(&act, sign * lever, flat, setup.turns);
                 slope += Matrix3::from_fn(|a, b| block[a][b]);
             }
+        }
+        for membrane in &*membranes {
+            let push = membrane.force(i as u32, pose);
+            force += Vector3::new(push.x, push.y, 0.0);
         }
         if model.has_gravity() {
             let weight = model.gravity * model.mass(i);
@@ -172,9 +177,9 @@ fn yield_to_loads(model: &Model, state: &mut State, work: &mut Workspace) {
         return;
     }
     let Some(setup) = &model.plane else { return };
-    let Workspace { reference, bodies, pose, balance, drives, .. } = work;
-    let scenery =
-        Scenery { model, setup, reference, bodies, carries: &state.carries, goes_on: false };
+    let Workspace { reference, bodies, membranes, pose, balance, drives, .. } = work;
+    let (carries, goes_on) = (&state.carries, false);
+    let scenery = Scenery { model, setup, reference, bodies, membranes, carries, goes_on };
     let mut pressed = [0.0; SIDES];
     let mut stiffness = [0.0; SIDES];
     for joint in &reference.edges {

@@ -23,7 +23,8 @@ pub type Block = [[f64; FREEDOMS]; FREEDOMS];
 pub struct Matrix {
     /// Block of each grain, shape (n).
     pub diagonal: Vec<Block>,
-    /// Block of each pair (i, j), row of i and column of j, in the order of the list.
+    /// Block of each pair (i, j), row of the smaller number and column of the other, in the order of the
+    /// list, and of each link.
     pub pairs: Vec<Block>,
     tree: Tree,
     fronts: Vec<Front>,
@@ -39,19 +40,21 @@ pub struct Matrix {
 }
 
 impl Matrix {
-    /// Takes the pattern: which pairs there are, `start` and `second` in rows as in the neighbour list,
-    /// of grains at `position` \[m\]. The entries of pairs that `couples` says no to are zero.
+    /// Takes the pattern: which pairs there are, `start` and `second` in rows as in the neighbour list and
+    /// after them `links`, of grains at `position` \[m\]. The entries of pairs that `couples` says no to
+    /// are zero.
     pub fn arrange(
         &mut self,
         position: &[[f64; 2]],
         start: &[u32],
         second: &[u32],
         couples: impl Fn(usize) -> bool,
+        links: &[(u32, u32)],
     ) {
         self.factorised = false;
-        self.tree.build(position, start, second, couples);
+        self.tree.build(position, start, second, couples, links);
         self.diagonal.resize(position.len(), [[0.0; FREEDOMS]; FREEDOMS]);
-        self.pairs.resize(second.len(), [[0.0; FREEDOMS]; FREEDOMS]);
+        self.pairs.resize(second.len() + links.len(), [[0.0; FREEDOMS]; FREEDOMS]);
         front::lay_out(&self.tree, &mut self.fronts);
         self.place.clear();
         self.place.resize(position.len(), u32::MAX);
@@ -137,7 +140,7 @@ mod tests {
             let (at, start, second) = points(n);
             let mut rng = Pcg64::seed_from_u64(1);
             let mut matrix = Matrix::default();
-            matrix.arrange(&at, &start, &second, |_| true);
+            matrix.arrange(&at, &start, &second, |_| true, &[]);
             matrix.clear();
             let mut dense = DMatrix::<f64>::zeros(3 * n, 3 * n);
             for i in 0..n {
@@ -172,7 +175,7 @@ mod tests {
     fn a_matrix_that_is_not_positive_definite_is_told() {
         let (at, start, second) = points(40);
         let mut matrix = Matrix::default();
-        matrix.arrange(&at, &start, &second, |_| true);
+        matrix.arrange(&at, &start, &second, |_| true, &[]);
         matrix.clear();
         matrix.diagonal.iter_mut().for_each(|block| (0..3).for_each(|a| block[a][a] = 1.0));
         matrix.diagonal[17][1][1] = -1e-3;

@@ -18,6 +18,7 @@ use nalgebra::{SMatrix, SVector};
 use super::balance::{Balance, Pose, Scenery};
 use super::boundary::{self, SIDES};
 use super::matrix::FREEDOMS;
+use super::membrane::Membrane;
 use super::reference::Joint;
 use super::work::{Drive, Workspace};
 use super::{DRIVES, Vec2, floating};
@@ -70,6 +71,8 @@ pub(super) struct Search {
     /// Whether the step at hand is that of the convex part, and for how many steps more that is taken.
     convex: bool,
     waits: u32,
+    /// Shift of the last step beside membranes, where it had to be more than the least \[N/m\].
+    shift: f64,
     /// Whether the pack was met where it is no minimum.
     pub(super) concave: bool,
 }
@@ -98,7 +101,11 @@ pub(super) fn unit_force(model: &Model, work: &Workspace) -> f64 {
         drive.force * 2.0 * model.mean_radius / length
     };
     let loads = work.drives.iter().map(load).fold(0.0, f64::max);
-    sums.mean_force().max(weight).max(loads).max(model.least_force).max(f64::MIN_POSITIVE)
+    let presses =
+        |membrane: &Membrane| membrane.pressure * membrane.depth * 2.0 * model.mean_radius;
+    let loads = work.membranes.iter().map(presses).fold(loads, f64::max);
+    let least = model.least_force.max(work.negligible);
+    sums.mean_force().max(weight).max(loads).max(least).max(f64::MIN_POSITIVE)
 }
 
 fn heaviest(model: &Model) -> f64 {
@@ -123,7 +130,7 @@ pub(super) fn relax(
     let tolerance = model.solver.tolerance;
     let mut outcome = Outcome { status: Status::MaxIterations, ..Outcome::NONE };
     let (mut best, mut worse) = (f64::INFINITY, 0);
-    (work.search.convex, work.search.waits) = (false, 0);
+    (work.search.convex, work.search.waits, work.search.shift) = (false, 0, 0.0);
     work.search.concave = false;
     work.floating.begin(model.len());
     work.slope.begin();
@@ -144,11 +151,11 @@ pub(super) fn relax(
                 (best, worse) = (f64::INFINITY, 0);
                 continue;
             }
-            let none = work.balance.sums.contacts == 0;
+            let none = work.balance.sums.mean_force() <= work.negligible;
             outcome.status = if none { Status::Unjammed } else { Status::Converged };
             return outcome;
         }
-        if outcome.residual <= tolerance && worse > WAIT {
+        if outcome.residual <= tolerance && worse > PATIENCE {
             // In balance, but on a ridge.
             outcome.status = Status::Unstable;
             return outcome;
@@ -156,7 +163,8 @@ pub(super) fn relax(
         if outcome.residual < best {
             (best, worse) = (outcome.residual, 0);
         } else {
-            worse += 1;
+            // On the way down from where there is no minimum residuals grow.
+            worse += u32::from(!work.search.shifted);
             // Far from a minimum residuals may rise for long.
             if worse > PATIENCE && best < 1e-6 {
                 outcome.status = Status::Stalled;
@@ -206,7 +214,10 @@ pub(super) fn overlap(model: &Model, state: &State, work: &Workspace, joint: &Jo
 /// Stiffness of a typical contact \[N/m\].
 fn stiffness(work: &Workspace) -> f64 {
     let sums = &work.balance.sums;
-    if sums.overlap > 0.0 { 1.5 * sums.force / sums.overlap } else { work.slope.idle }
+    match sums.mean_force() > work.negligible {
+        true => 1.5 * sums.force / sums.overlap,
+        false => work.slope.idle,
+    }
 }
 
 /// Finds the step from the pose. Says whether there is one.
@@ -217,22 +228,28 @@ fn step(
     near: &Neighbours,
     residual: f64,
 ) -> bool {
-    let shift = LEAST_SHIFT * stiffness(work);
+    let unit = stiffness(work);
+    let least = LEAST_SHIFT * unit;
+    work.search.convex = false;
     if work.search.waits == 0 || residual < NEAR {
-        work.search.convex = false;
         assemble(model, state, work, near, false);
-        if work.slope.matrix.factorise(shift) && solve(work, shift) {
+        if work.slope.matrix.factorise(least) && solve(work, least) {
+            work.search.shift = 0.0;
             return true;
         }
         work.search.concave = true;
         work.search.waits = WAIT;
     }
     work.search.waits -= work.search.waits.min(1);
-    work.search.convex = true;
+    // What membranes do has no convex part: there the whole is shifted until it is positive.
+    work.search.convex = work.membranes.is_empty();
+    let first = if work.search.convex { CONVEX_SHIFT * least } else { GROWTH * least };
+    let mut shift = first.max(work.search.shift / (GROWTH * GROWTH));
     assemble(model, state, work, near, false);
-    let mut shift = CONVEX_SHIFT * shift;
-    while shift <= MOST_SHIFT * stiffness(work) {
+    work.search.convex = true;
+    while shift <= MOST_SHIFT * unit {
         if work.slope.matrix.factorise(shift) && solve(work, shift) {
+            work.search.shift = if work.membranes.is_empty() { 0.0 } else { shift };
             return true;
         }
         shift *= GROWTH;
@@ -249,10 +266,14 @@ pub(super) fn assemble(
     goes_on: bool,
 ) {
     let Some(setup) = &model.plane else { return };
-    let Workspace { reference, bodies, slope, pose, search, .. } = work;
+    let Workspace { reference, bodies, membranes, slope, pose, search, .. } = work;
     let carries = &state.carries;
     let convex = search.convex;
-    slope.assemble(&Scenery { model, setup, reference, bodies, carries, goes_on }, pose, convex);
+    slope.assemble(
+        &Scenery { model, setup, reference, bodies, membranes, carries, goes_on },
+        pose,
+        convex,
+    );
     if work.lacks_pairs() {
         work.couple(near);
     }
@@ -267,7 +288,7 @@ pub(super) fn assemble(
         let column = &mut work.search.column[k];
         column.clear();
         column.resize(carried.len(), 0.0);
-        work.slope.multiply(carried, &work.reference, column);
+        work.slope.multiply(carried, (&work.reference, &work.links), column);
         for (side, &share) in drive.shares.iter().enumerate().filter(|(_, share)| **share != 0.0) {
             column.iter_mut().zip(&work.slope.columns[side]).for_each(|(to, c)| *to += share * c);
         }
@@ -397,9 +418,9 @@ fn try_share(model: &Model, state: &State, work: &mut Workspace, share: f64) {
         }
     }
     boundary::bodies(model, &work.trial_displacement, state.tilt, &mut work.bodies);
-    let Workspace { reference, bodies, trial, trial_balance, .. } = work;
-    let scenery =
-        Scenery { model, setup, reference, bodies, carries: &state.carries, goes_on: false };
+    let Workspace { reference, bodies, membranes, trial, trial_balance, .. } = work;
+    let (carries, goes_on) = (&state.carries, false);
+    let scenery = Scenery { model, setup, reference, bodies, membranes, carries, goes_on };
     trial_balance.evaluate(&scenery, trial);
 }
 
@@ -426,9 +447,10 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 pub(super) fn predict(model: &Model, state: &mut State, work: &mut Workspace, near: &Neighbours) {
     let Some(setup) = &model.plane else { return };
     boundary::bodies(model, &state.displacement, state.tilt, &mut work.bodies);
-    let Workspace { reference, bodies, balance, pose, .. } = work;
-    let carries = &state.carries;
-    balance.evaluate(&Scenery { model, setup, reference, bodies, carries, goes_on: true }, pose);
+    let Workspace { reference, bodies, membranes, balance, pose, .. } = work;
+    let (carries, goes_on) = (&state.carries, true);
+    balance
+        .evaluate(&Scenery { model, setup, reference, bodies, membranes, carries, goes_on }, pose);
     work.search.convex = false;
     assemble(model, state, work, near, true);
     let shift = LEAST_SHIFT * stiffness(work);

@@ -22,6 +22,8 @@ pub struct Joint {
     pub second: Other,
     /// Overlap and distance add up to this \[m\]; in a ring their difference is minus this.
     pub reach: f64,
+    /// Effective radius of the contact \[m\].
+    pub radius: f64,
     /// Hertz' M \[N/m^1.5\].
     pub modulus: f64,
     /// Whether it touched at the reference, or a bond holds: only then does it carry shear.
@@ -82,6 +84,7 @@ impl Reference {
                 let reach = model.radius[i] + model.radius[j];
                 let mut joint =
                     Joint::new(i as u32, Other::Grain(j as u32), reach, branch / distance);
+                joint.radius = hertz::effective_radius(model.radius[i], model.radius[j]);
                 joint.modulus = near.modulus[k];
                 joint.span = distance;
                 joint.overlap = reach - distance;
@@ -92,7 +95,6 @@ impl Reference {
                 self.pairs.push(maker.hold(joint));
             }
             let compliance = model.compliance[i] + model.wall_compliance;
-            let modulus = hertz::modulus(model.radius[i], compliance);
             for (b, body) in bodies.iter().enumerate() {
                 let near = body.near(at(i), model.radius[i]);
                 if near.overlap < -SKIN * model.mean_radius {
@@ -100,7 +102,8 @@ impl Reference {
                 }
                 let reach = near.overlap + near.sign * near.distance;
                 let mut joint = Joint::new(i as u32, Other::Wall(b as u8), reach, near.along);
-                joint.modulus = modulus;
+                joint.radius = body.effective_radius(model.radius[i]);
+                joint.modulus = hertz::modulus(joint.radius, compliance);
                 joint.span = near.distance;
                 joint.overlap = near.overlap;
                 let lever = model.radius[i] - near.overlap;
@@ -142,7 +145,7 @@ impl Reference {
             let now = overlap(joint);
             let force = super::law::normal(setup.law, joint.modulus, now, false).force;
             let limit = limit_of(model, joint, force);
-            let stiffness = setup.law.shear_stiffness(model, joint.first, joint.second, now);
+            let stiffness = setup.law.shear_stiffness(model, joint.key(), joint.radius, now);
             if limit != joint.shear.limit {
                 most = most.max((limit - joint.shear.limit).abs());
             }
@@ -159,6 +162,7 @@ impl Joint {
             first,
             second,
             reach,
+            radius: 0.0,
             modulus: 0.0,
             held: false,
             bonded: false,
@@ -213,7 +217,7 @@ impl Maker<'_> {
         let force = super::law::normal(*law, joint.modulus, joint.overlap, false).force;
         joint.shear.limit = limit_of(model, &joint, force);
         joint.shear.stiffness =
-            law.shear_stiffness(model, joint.first, joint.second, joint.overlap);
+            law.shear_stiffness(model, joint.key(), joint.radius, joint.overlap);
         joint
     }
 }

@@ -1,5 +1,6 @@
 //! What a scene says about discs.
 
+use super::Cell;
 use crate::contact::Other;
 use crate::contact::mindlin;
 use crate::model::Model;
@@ -8,6 +9,8 @@ use crate::scene::{self, BondForm, Linear, LinearBond, Normal, Scene};
 /// Constants of a pack of discs.
 #[derive(Clone, Debug)]
 pub struct Setup {
+    /// What the sides enclose.
+    pub cell: Cell,
     /// Depth D of the pack \[m\].
     pub depth: f64,
     /// Normal law and its shear stiffness.
@@ -60,6 +63,7 @@ impl Setup {
         });
         let bond = linear.and_then(|linear| linear.bond);
         Self {
+            cell: Cell::new(&scene.walls, &model.start),
             depth: sides[2],
             law,
             turns: model.friction.is_some() && scene.contact.rotation == scene::Rotation::Free,
@@ -94,27 +98,27 @@ pub fn shear_ratio(poisson: f64) -> f64 {
 }
 
 impl Law {
-    /// k_s \[N/m\] of a contact of grain `first` under the normal force `force` \[N\] at the overlap
-    /// `overlap` \[m\].
+    /// k_s \[N/m\] of the contact of grain `first` with `second`, of the effective radius `radius` \[m\],
+    /// at the overlap `overlap` \[m\].
     #[must_use]
-    pub fn shear_stiffness(self, model: &Model, first: u32, second: Other, overlap: f64) -> f64 {
+    pub fn shear_stiffness(
+        self,
+        model: &Model,
+        (first, second): (u32, Other),
+        radius: f64,
+        overlap: f64,
+    ) -> f64 {
         match self {
             Self::Linear { shear, .. } => shear,
             Self::Hertz if overlap <= 0.0 => 0.0,
             Self::Hertz => {
                 let Some(friction) = &model.friction else { return 0.0 };
-                let i = first as usize;
-                let radius = model.radius[i];
-                let (radius, other) = match second {
-                    Other::Grain(j) => {
-                        let j = j as usize;
-                        let other = model.radius[j];
-                        (radius * other / (radius + other), friction.shear_compliance[j])
-                    }
-                    Other::Wall(_) => (radius, friction.wall_shear_compliance),
+                let other = match second {
+                    Other::Grain(j) => friction.shear_compliance[j as usize],
+                    Other::Wall(_) => friction.wall_shear_compliance,
                 };
                 let contact = mindlin::contact_radius(radius, overlap);
-                mindlin::shear_stiffness(contact, friction.shear_compliance[i] + other)
+                mindlin::shear_stiffness(contact, friction.shear_compliance[first as usize] + other)
             }
         }
     }

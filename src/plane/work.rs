@@ -4,9 +4,11 @@ use super::balance::{Balance, Pose, Scenery, Slope};
 use super::boundary::{self, Body, SIDES};
 use super::floating::Floating;
 use super::gauss_seidel::Adjacency;
+use super::membrane::{self, Membrane};
 use super::newton::Search;
+use super::outline::Finder;
 use super::reference::{Joint, Reference};
-use super::{DRIVES, Vec2};
+use super::{DRIVES, Law, Vec2};
 use crate::contact::neighbours::Neighbours;
 use crate::contact::{Other, hertz};
 use crate::heap;
@@ -41,6 +43,8 @@ pub struct Workspace {
     pub balance: Balance,
     /// Walls under loads.
     pub drives: Vec<Drive>,
+    /// Sides that are membranes.
+    pub membranes: Vec<Membrane>,
     /// Instabilities since the list was last emptied.
     pub jumps: Vec<Jump>,
     pub(super) slope: Slope,
@@ -51,10 +55,14 @@ pub struct Workspace {
     pub(super) search: Search,
     pub(super) floating: Floating,
     pub(super) adjacency: Adjacency,
+    finder: Finder,
     /// For the memory that is being written.
     pub(super) memory: crate::state::Memory,
-    /// Number of the neighbour list that the matrix is arranged for.
+    /// Number of the neighbour list that the matrix is arranged for, and the links of the membranes.
     arranged: u64,
+    pub(super) links: Vec<(u32, u32)>,
+    /// Force of a contact that is as good as open \[N\].
+    pub(super) negligible: f64,
     positions: Vec<[f64; 2]>,
     /// Which pairs the matrix is arranged for, in the order of the neighbour list.
     coupled: Vec<bool>,
@@ -88,21 +96,30 @@ impl Workspace {
             + self.floating.heap_bytes()
             + heap::bytes(&self.positions)
             + heap::bytes(&self.coupled)
+            + heap::bytes(&self.links)
+            + self.finder.heap_bytes()
+            + self.membranes.iter().map(Membrane::heap_bytes).sum::<usize>()
             + heap::bytes(&self.memory.contacts)
     }
 
     /// Takes the equilibrium `state` as the reference; a pack as it was `given` may carry more shear
     /// than the limit.
-    pub fn begin(&mut self, model: &Model, state: &State, near: &mut Neighbours, given: bool) {
+    pub fn begin(&mut self, model: &Model, state: &mut State, near: &mut Neighbours, given: bool) {
         near.refresh(model, &state.position, &state.bounds(model));
-        boundary::bodies(model, &state.displacement, state.tilt, &mut self.bodies);
-        self.reference.begin(model, state, near, &self.bodies, given);
         self.pose.at.clear();
         self.pose.at.extend(state.position.iter().map(|at| Vec2::new(at.x, at.y)));
         self.pose.turn.clear();
         self.pose.turn.resize(model.len(), 0.0);
+        membrane::wrap(model, state, &self.pose.at, (&mut self.membranes, &mut self.finder));
+        boundary::bodies(model, &state.displacement, state.tilt, &mut self.bodies);
+        self.reference.begin(model, state, near, &self.bodies, given);
         self.arrange(near);
         let mean = hertz::modulus(0.5 * model.mean_radius, 2.0 * model.compliance[0]);
+        self.negligible = match model.plane.as_ref().map(|setup| setup.law) {
+            Some(Law::Hertz) => model.negligible_force(),
+            // Contacts of constant stiffness have no force that positions do not resolve.
+            _ => 0.0,
+        };
         self.slope.idle = hertz::stiffness(mean, 1e-2 * model.mean_radius);
     }
 
@@ -128,7 +145,10 @@ impl Workspace {
     }
 
     fn arrange(&mut self, near: &Neighbours) {
-        if self.arranged != near.rebuilds || self.coupled.len() != near.second.len() {
+        let links = self.membranes.iter().flat_map(Membrane::links);
+        let same_links = links.eq(self.links.iter().copied());
+        let same_pairs = self.arranged == near.rebuilds && self.coupled.len() == near.second.len();
+        if !(same_links && same_pairs) {
             self.arranged = near.rebuilds;
             self.couple(near);
         }
@@ -137,7 +157,9 @@ impl Workspace {
     /// Arranges the matrix for the pairs that touch or nearly do. The neighbour list has many more, which
     /// would only fill it.
     pub(super) fn couple(&mut self, near: &Neighbours) {
-        let Self { reference, pose, coupled, positions, slope, .. } = self;
+        let Self { reference, pose, coupled, positions, slope, links, membranes, .. } = self;
+        links.clear();
+        links.extend(membranes.iter().flat_map(Membrane::links));
         coupled.clear();
         coupled.extend(reference.pairs.iter().map(|joint| {
             let Other::Grain(j) = joint.second else { return true };
@@ -146,7 +168,7 @@ impl Workspace {
         }));
         positions.clear();
         positions.extend(pose.at.iter().map(|at| [at.x, at.y]));
-        slope.matrix.arrange(positions, &near.start, &near.second, |k| coupled[k]);
+        slope.matrix.arrange(positions, &near.start, &near.second, |k| coupled[k], links);
     }
 
     /// Whether a pair is in the matrix at hand that it is not arranged for.
@@ -159,10 +181,25 @@ impl Workspace {
     pub(super) fn evaluate(&mut self, model: &Model, state: &State) {
         let Some(setup) = &model.plane else { return };
         boundary::bodies(model, &state.displacement, state.tilt, &mut self.bodies);
-        let Self { reference, bodies, balance, pose, .. } = self;
-        let carries = &state.carries;
-        balance
-            .evaluate(&Scenery { model, setup, reference, bodies, carries, goes_on: false }, pose);
+        let Self { reference, bodies, membranes, balance, pose, .. } = self;
+        let (carries, goes_on) = (&state.carries, false);
+        let scenery = Scenery { model, setup, reference, bodies, membranes, carries, goes_on };
+        balance.evaluate(&scenery, pose);
+    }
+
+    /// Takes the sides that are membranes to where the outline of the pose is on average, and the ends
+    /// of the membranes to the sides beside them; says whether these were elsewhere.
+    pub(super) fn follow(&mut self, model: &Model, state: &mut State) -> bool {
+        let Some(setup) = &model.plane else { return false };
+        let mut moved = false;
+        for membrane in &mut self.membranes {
+            moved |= membrane.reach(&setup.cell, &state.displacement);
+        }
+        for membrane in &self.membranes {
+            let side = membrane.side;
+            state.displacement[side] = state.outline[side] - membrane.position(&self.pose.at);
+        }
+        moved
     }
 
     /// Writes the pose into `state`, but for the turns, which count from the reference until the

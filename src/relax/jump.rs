@@ -36,7 +36,7 @@ impl Pose {
 
     /// How far each grain of `state` is from here, but for where the walls took it along \[m\].
     pub fn moved<'a>(&'a self, model: &Model, state: &'a State) -> impl Iterator<Item = Vec3> + 'a {
-        let (before, after) = (model.start.displaced(&self.displacement), state.bounds(model));
+        let (before, after) = (self.bounds(model), state.bounds(model));
         let stands = self.displacement == state.displacement;
         let carried = Carried::new(&before, &after);
         let from = self.position.iter().map(move |at| if stands { *at } else { carried.to(at) });
@@ -53,7 +53,7 @@ impl Pose {
     /// The box.
     #[must_use]
     pub fn bounds(&self, model: &Model) -> Bounds {
-        model.start.displaced(&self.displacement)
+        model.bounds(&self.displacement)
     }
 
     /// Memory that its lists hold \[bytes\].

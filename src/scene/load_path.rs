@@ -19,9 +19,10 @@ pub const MAX_COMMANDS: u64 = 1_000_000;
 pub struct LoadPath(pub Vec<Step>);
 
 impl LoadPath {
-    pub(super) fn check(&self, at: &Field, problems: &mut Problems) {
+    /// `paired` as in [`Targets`].
+    pub(super) fn check(&self, at: &Field, paired: bool, problems: &mut Problems) {
         let before = problems.0.len();
-        check_steps(&self.0, at, problems);
+        check_steps(&self.0, at, paired, problems);
         if problems.0.len() == before && commands(&self.0) > MAX_COMMANDS {
             problems.add(
                 at.clone(),
@@ -31,9 +32,9 @@ impl LoadPath {
     }
 }
 
-fn check_steps(steps: &[Step], at: &Field, problems: &mut Problems) {
+fn check_steps(steps: &[Step], at: &Field, paired: bool, problems: &mut Problems) {
     for (index, step) in steps.iter().enumerate() {
-        step.check(&at.index(index), problems);
+        step.check(&at.index(index), paired, problems);
     }
 }
 
@@ -112,7 +113,7 @@ pub enum Step {
 }
 
 impl Step {
-    fn check(&self, at: &Field, problems: &mut Problems) {
+    fn check(&self, at: &Field, paired: bool, problems: &mut Problems) {
         match self {
             Self::Isotropic(step) => {
                 let at = at.key("isotropic");
@@ -153,7 +154,7 @@ impl Step {
             }
             Self::Walls(step) => {
                 let at = at.key("walls");
-                step.targets.check(&at.key("targets"), problems);
+                step.targets.check(&at.key("targets"), paired, problems);
                 check_increments(&at, step.increments, problems);
             }
             Self::Dissociate(step) => {
@@ -164,7 +165,7 @@ impl Step {
             Self::Repeat(step) => {
                 let at = at.key("repeat");
                 problems.count(at.key("times"), u64::from(step.times), 1, MAX_COMMANDS);
-                check_steps(&step.steps, &at.key("steps"), problems);
+                check_steps(&step.steps, &at.key("steps"), paired, problems);
             }
             Self::Commands(_) => {}
             Self::RigLog(step) => step.check(&at.key("rig_log"), problems),

@@ -2,11 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Targets;
 use super::check::{Field, Problems};
+use super::{Cell, PointSides, Targets, WallName};
 
 /// The elastic walls; T 2.7.1 takes 100 times the grains' modulus.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Walls {
     /// Young's modulus \[Pa\], above 0.
@@ -21,11 +21,36 @@ pub struct Walls {
     /// pack has them.
     #[serde(skip_serializing_if = "Targets::is_empty")]
     pub targets: Targets,
+    /// What the sides of a pack of discs enclose.
+    #[serde(skip_serializing_if = "is_box")]
+    pub cell: Cell,
+    /// Discs in the place of walls: supports and loads at points.
+    #[serde(skip_serializing_if = "PointSides::is_empty")]
+    pub points: PointSides,
+    /// Sides without a wall.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub open: Vec<WallName>,
+    /// Sides that are membranes: a pressure on the outline of the pack, which bends with the grains.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub membranes: Vec<WallName>,
+}
+
+fn is_box(cell: &Cell) -> bool {
+    *cell == Cell::Box
 }
 
 impl Default for Walls {
     fn default() -> Self {
-        Self { young: 7.0e12, poisson: 0.495, friction: None, targets: Targets::default() }
+        Self {
+            young: 7.0e12,
+            poisson: 0.495,
+            friction: None,
+            targets: Targets::default(),
+            cell: Cell::Box,
+            points: PointSides::default(),
+            open: Vec::new(),
+            membranes: Vec::new(),
+        }
     }
 }
 
@@ -37,6 +62,6 @@ impl Walls {
         if let Some(friction) = self.friction {
             problems.at_least_zero(at.key("friction"), friction, "friction >= 0, .inf included");
         }
-        self.targets.check(&at.key("targets"), problems);
+        self.targets.check(&at.key("targets"), self.cell == Cell::Box, problems);
     }
 }

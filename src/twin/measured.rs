@@ -95,8 +95,13 @@ impl Twin {
     fn loaded(&self, contacts: &Contacts) -> Loaded {
         let bounds = self.state.bounds(&self.model);
         let walls = walls::forces(&self.model, &self.state, &contacts.list);
+        let cell = self.model.plane.as_ref().map(|setup| &setup.cell);
+        let pressure = cell.and_then(|cell| cell.pressure(&walls));
         Loaded {
-            stress: stress::from_walls(&walls, &bounds),
+            stress: match pressure {
+                None => stress::from_walls(&walls, &bounds),
+                Some(pressure) => Matrix3::from_diagonal(&[pressure, pressure, 0.0].into()),
+            },
             strain: stress::engineering_strain(&bounds, &self.model.reference),
             walls,
             bounds,
@@ -115,13 +120,13 @@ impl Twin {
             strain: *strain,
             natural_strain: stress::natural_strain(bounds, &model.reference),
             stress_walls: row_major(stress),
-            stress_contacts: row_major(&stress::from_contacts(&contacts.list, bounds)),
+            stress_contacts: row_major(&stress::in_volume(&contacts.list, state.volume(model))),
             confining_stress: stress.trace() / f64::from(model.dimensions()),
             deviatoric_stress: match &model.plane {
                 None => normal[2] - 0.5 * (normal[0] + normal[1]),
                 Some(_) => normal[1] - normal[0],
             },
-            porosity: porosity::porosity(model, &contacts.list, bounds),
+            porosity: porosity::porosity(model, &contacts.list, state.volume(model)),
             coordination_number: f64::from(numbers.iter().sum::<u32>()) / model.len() as f64,
             sliding_ratio: contacts.sliding_ratio(),
             slipped: contacts.counted().filter(|c| c.slipped).count() as u32,
@@ -169,7 +174,7 @@ impl Twin {
                     |now: [f64; 3], then: [f64; 3]| std::array::from_fn(|k| now[k] - then[k]);
                 let stress = change(loaded.normal_stress(), before.0);
                 let strain = change(loaded.strain, before.1);
-                let density = density(&self.model, &loaded.bounds);
+                let density = density(&self.model, self.state.volume(&self.model));
                 let secant = match &self.model.plane {
                     None => moduli::secant(stress, strain, density),
                     Some(_) => moduli::secant_in_plane(stress, strain, density),
@@ -187,7 +192,7 @@ impl Twin {
         let Self { model, state, work, pool, .. } = self;
         let found = pool.install(|| tangent::tangent(model, state, work, &reached.outcome));
         self.spent.products += found.products;
-        Some(measure::tangent::report(&found, density(model, &state.bounds(model))))
+        Some(measure::tangent::report(&found, density(model, state.volume(model))))
     }
 
     /// How the grains moved in the present increment; `None` when the scene says that nobody will
@@ -220,8 +225,8 @@ impl Twin {
     }
 }
 
-/// Mass over the volume of the box \[kg/m³\].
-fn density(model: &Model, bounds: &Bounds) -> f64 {
+/// Mass over the volume `volume` \[m³\] of the pack \[kg/m³\].
+fn density(model: &Model, volume: f64) -> f64 {
     let mass: f64 = (0..model.len()).map(|k| model.mass(k)).sum();
-    mass / bounds.volume()
+    mass / volume
 }

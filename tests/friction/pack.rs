@@ -114,7 +114,7 @@ fn without_friction_nothing_turns_and_nothing_is_remembered() {
         scene.walls.friction = walls;
         // All coefficients are zero: the model has no friction at all.
         let pack = made(60, 1e7, 5);
-        let model = Model::new(&pack, &Scene { walls: scene.walls, ..scene.clone() });
+        let model = Model::new(&pack, &Scene { walls: scene.walls.clone(), ..scene.clone() });
         assert_eq!(model.friction.is_none(), walls.is_some() || mu == 0.0);
         let (rig, _) = Rig::start(&scene, &pack);
         assert_eq!(rig.twin.pack().history, None);

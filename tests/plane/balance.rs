@@ -53,6 +53,7 @@ impl Probe {
             setup: self.model.plane.as_ref().unwrap(),
             reference: &self.reference,
             bodies: &bodies,
+            membranes: &[],
             carries: &self.state.carries,
             goes_on: false,
         };
@@ -126,7 +127,7 @@ fn stiffnesses_are_derivatives_of_the_forces() {
     let mut slope = Slope::default();
     let near = &probe.near;
     let positions: Vec<[f64; 2]> = probe.pose.at.iter().map(|at| [at.x, at.y]).collect();
-    slope.matrix.arrange(&positions, &near.start, &near.second, |_| true);
+    slope.matrix.arrange(&positions, &near.start, &near.second, |_| true, &[]);
     probe.with(&probe.pose, still, |scenery, pose| {
         let mut slope = slope.clone();
         slope.assemble(scenery, pose, false);
@@ -141,7 +142,7 @@ fn stiffnesses_are_derivatives_of_the_forces() {
                 let mut unit = vec![0.0; n];
                 unit[3 * grain + freedom] = 1.0;
                 let mut column = vec![0.0; n];
-                slope.multiply(&unit, scenery.reference, &mut column);
+                slope.multiply(&unit, (scenery.reference, &[]), &mut column);
                 let off = (0..n)
                     .map(|k| ((high[k] - low[k]) / (2.0 * step) - column[k]).abs())
                     .fold(0.0, f64::max);

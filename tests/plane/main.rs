@@ -6,12 +6,16 @@ mod cemented;
 #[path = "../common/packs.rs"]
 mod packs;
 
+mod annulus;
 mod balance;
 mod biaxial;
 mod bonds;
 mod crystal;
 mod crystals;
+mod derivatives;
 mod discs;
 mod gradings;
+mod membranes;
+mod points;
 mod rescale;
 mod samples;

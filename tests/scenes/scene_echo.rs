@@ -418,7 +418,13 @@ fn choice<T>(value: Option<T>) -> Choice<T> {
 fn scene() -> impl Strategy<Value = Scene> {
     let materials = prop::collection::btree_map(word(), material(), 0..3);
     let walls = (positive(), -0.999..0.499, option::of(coefficient()), targets()).prop_map(
-        |(young, poisson, friction, targets)| Walls { young, poisson, friction, targets },
+        |(young, poisson, friction, targets)| Walls {
+            young,
+            poisson,
+            friction,
+            targets,
+            ..Walls::default()
+        },
     );
     let contact = (normal(), friction(), any::<bool>()).prop_map(|(normal, friction, torsion)| {
         Contact { normal, friction, torsion, rotation: Rotation::Free }

@@ -54,7 +54,10 @@ impl Gate {
 
     /// Why the walls cannot be at `target`, whatever the limits of the scene.
     fn beyond_box(&self, target: &[f64; wall::COUNT]) -> Option<String> {
-        let (start, now) = (self.start.sides(), self.start.displaced(target).sides());
+        if let Some(text) = self.beyond_hole(target) {
+            return Some(text);
+        }
+        let (start, now) = (self.start.sides(), self.bounds(target).sides());
         (0..3).find_map(|axis| {
             let (low, high) = (wall::NAMES[2 * axis], wall::NAMES[2 * axis + 1]);
             let allowed = [LEAST_SIDE * start[axis], MOST_SIDE * start[axis]];
@@ -68,6 +71,28 @@ impl Gate {
             (travel > allowed[1]).then(|| {
                 format!("{low} or {high} would travel {travel:e} m: {:e} m are allowed", allowed[1])
             })
+        })
+    }
+
+    /// Why the inner wall of an annulus cannot be at `target`.
+    fn beyond_hole(&self, target: &[f64; wall::COUNT]) -> Option<String> {
+        let cell = self.cell.as_ref()?;
+        let [inner, outer] = cell.radii(target)?;
+        let [hole, rim] = cell.radii(&[0.0; wall::COUNT])?;
+        let least = LEAST_SIDE * hole;
+        let thick = LEAST_SIDE * (rim - hole)..=MOST_SIDE * (rim - hole);
+        if inner < least {
+            return Some(format!(
+                "the inner radius would be {inner:e} m: at least {least:e} m is allowed"
+            ));
+        }
+        (cell.has(0) && !thick.contains(&(outer - inner))).then(|| {
+            format!(
+                "x_min and x_max would be {:e} m apart: {:e} to {:e} m are allowed",
+                outer - inner,
+                thick.start(),
+                thick.end()
+            )
         })
     }
 
@@ -142,7 +167,12 @@ impl Gate {
 
     /// Engineering strain of an axis against the box at the start.
     fn strain(&self, axis: usize, displacement: &[f64; wall::COUNT]) -> f64 {
-        (displacement[2 * axis] + displacement[2 * axis + 1]) / self.start.sides()[axis]
+        match &self.cell {
+            Some(cell) if !cell.is_paired() => {
+                1.0 - cell.bounds(displacement).sides()[axis] / self.start.sides()[axis]
+            }
+            _ => (displacement[2 * axis] + displacement[2 * axis + 1]) / self.start.sides()[axis],
+        }
     }
 
     /// The largest load of the kind of `load` that wall `w` may carry when that is less, and why.
@@ -162,7 +192,10 @@ impl Gate {
 
     /// Present area of wall `w` \[m²\].
     fn area(&self, w: usize) -> f64 {
-        self.start.displaced(&self.displacement).area(w)
+        match &self.cell {
+            None => self.start.displaced(&self.displacement).area(w),
+            Some(cell) => cell.area(w, &self.displacement),
+        }
     }
 
     /// Whether the equilibrium that `setpoint` leads to must be looked at with
@@ -203,7 +236,8 @@ impl Gate {
         std::array::from_fn(|w| match setpoint[w] {
             Control::Displacement(to) => Control::Displacement(between(self.displacement[w], to)),
             Control::Load(load) => {
-                let pair = [w & !1, w | 1];
+                let alone = self.cell.as_ref().is_some_and(|cell| !cell.is_paired());
+                let pair = if alone { [w, w] } else { [w & !1, w | 1] };
                 let area = self.area(w);
                 // One for both walls of a pair when both carry the load, since it is the same.
                 let carried = pair.into_iter().find_map(|w| self.now[w].load());

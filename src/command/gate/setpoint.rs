@@ -2,6 +2,7 @@
 
 use super::Gate;
 use crate::command::{Ask, Command, Mode};
+use crate::plane::Cell;
 use crate::wall::{self, Control, Load, Setpoint, WallTarget};
 
 /// What is wrong with the form of a command.
@@ -24,21 +25,36 @@ pub(super) fn malformed(command: &Command) -> Option<String> {
     })
 }
 
+/// Whether the sides of `cell` are such that they can do what they are asked.
+fn fits(cell: &Cell, ask: &Ask, targets: &[WallTarget; wall::COUNT]) -> Result<(), String> {
+    for (w, target) in targets.iter().enumerate() {
+        let name = wall::NAMES[w];
+        let nothing = matches!(target, WallTarget::Keep | WallTarget::Displacement(0.0));
+        let presses = matches!(ask, Ask::Displacement(_))
+            || matches!(target, WallTarget::Keep | WallTarget::Stress(_));
+        if cell.is_membrane(w) && !presses {
+            return Err(format!("{name} is a membrane; allowed: a stress, or keep"));
+        }
+        if !cell.has(w) && !nothing {
+            return Err(format!(
+                "{name} is asked for something: discs have no such wall here; allowed: 0 m, or keep"
+            ));
+        }
+    }
+    Ok(())
+}
+
 impl Gate {
     /// What the walls do when they are asked so, or what is wrong with it.
     pub(super) fn setpoint(&self, ask: &Ask, mode: Mode) -> Result<Setpoint, String> {
         let targets = ask.targets();
         let mut setpoint = self.now;
-        for (w, target) in targets.iter().enumerate().skip(self.walls) {
-            if !matches!(target, WallTarget::Keep | WallTarget::Displacement(0.0)) {
-                return Err(format!(
-                    "{} is asked for something: discs have no such wall; allowed: 0 m, or keep",
-                    wall::NAMES[w]
-                ));
-            }
+        if let Some(cell) = &self.cell {
+            fits(cell, ask, &targets)?;
         }
         for (w, target) in targets.into_iter().enumerate() {
-            let keeps = matches!(ask, Ask::Displacement(_)) && self.now[w].load().is_some();
+            let keeps = matches!(ask, Ask::Displacement(_)) && self.now[w].load().is_some()
+                || self.cell.as_ref().is_some_and(|cell| !cell.has(w));
             if !keeps {
                 setpoint[w] = self.control(w, target, mode)?;
             }
@@ -47,6 +63,7 @@ impl Gate {
             let [low, high] = [2 * axis, 2 * axis + 1];
             if let (Some(one), Some(other)) = (setpoint[low].load(), setpoint[high].load())
                 && one != other
+                && self.cell.as_ref().is_none_or(Cell::is_paired)
             {
                 return Err(format!(
                     "{} and {} shall carry {one} and {other}: the two walls of a pair carry \

@@ -1,6 +1,6 @@
 //! What a contact history must keep to, whoever made it.
 
-use super::{BondMemory, ContactMemory, History, Layer, wall_index, wall_of};
+use super::{BondMemory, ContactMemory, History, Layer, MOST_BODIES, body_of, wall_index};
 use crate::wall;
 
 /// Most contacts a grain on average; spheres of one size have 6.
@@ -9,12 +9,22 @@ const MOST_CONTACTS: usize = 100;
 const RATIO_SLACK: f64 = 1e-9;
 
 impl History {
-    /// Checks the history of a pack of `grains` grains; says which entry is wrong and what is
-    /// allowed.
+    /// Checks the history of a pack of `grains` grains between six walls; says which entry is wrong
+    /// and what is allowed.
     ///
     /// # Errors
     /// That sentence.
     pub fn check(&self, grains: usize) -> Result<(), String> {
+        self.check_among(grains, wall::COUNT)
+    }
+
+    /// The same for grains that `bodies` walls and points surround, at most
+    /// [`MOST_BODIES`](super::MOST_BODIES).
+    ///
+    /// # Errors
+    /// As [`check`](Self::check).
+    pub fn check_among(&self, grains: usize, bodies: usize) -> Result<(), String> {
+        let bodies = bodies.min(MOST_BODIES);
         if self.rotation.len() != grains {
             let found = self.rotation.len();
             return Err(format!("rotations: {found} entries; allowed: {grains}, one a grain"));
@@ -29,10 +39,10 @@ impl History {
             finite(rotation).map_err(|fault| format!("rotations[{grain}]{fault}"))?;
         }
         for (index, contact) in self.contacts.iter().enumerate() {
-            contact.check(grains).map_err(|fault| format!("contacts[{index}]{fault}"))?;
+            contact.check(grains, bodies).map_err(|fault| format!("contacts[{index}]{fault}"))?;
         }
         for (index, bond) in self.bonds.iter().enumerate() {
-            bond.check(grains).map_err(|fault| format!("bonds[{index}]{fault}"))?;
+            bond.check(grains, bodies).map_err(|fault| format!("bonds[{index}]{fault}"))?;
         }
         ascending("contacts", self.contacts.iter().map(|c| (c.first, c.second)))?;
         ascending("bonds", self.bonds.iter().map(|b| (b.first, b.second)))
@@ -53,15 +63,15 @@ fn ascending(list: &str, pairs: impl Iterator<Item = (u32, u32)>) -> Result<(), 
     Ok(())
 }
 
-/// Checks that `first` is a grain of `grains`, and `second` a later one or a wall.
-fn bodies(first: u32, second: u32, grains: usize) -> Result<(), String> {
+/// Checks that `first` is a grain of `grains`, and `second` a later one or one of `walls` walls.
+fn bodies(first: u32, second: u32, grains: usize, walls: usize) -> Result<(), String> {
     let last = grains - 1;
     if first as usize > last {
         return Err(format!(".first: {first}; allowed: a grain, 0 to {last}"));
     }
     let is_grain = first < second && second as usize <= last;
-    if !is_grain && wall_of(second).is_none() {
-        let [low, high] = [wall::COUNT as u8 - 1, 0].map(wall_index);
+    if !is_grain && body_of(second).is_none_or(|body| usize::from(body) >= walls) {
+        let [low, high] = [walls.saturating_sub(1) as u8, 0].map(wall_index);
         return Err(format!(
             ".second: {second}; allowed: a grain above first = {first} and up to {last}, or \
                  {low} to {high} for a wall"
@@ -71,8 +81,8 @@ fn bodies(first: u32, second: u32, grains: usize) -> Result<(), String> {
 }
 
 impl ContactMemory {
-    fn check(&self, grains: usize) -> Result<(), String> {
-        bodies(self.first, self.second, grains)?;
+    fn check(&self, grains: usize, walls: usize) -> Result<(), String> {
+        bodies(self.first, self.second, grains, walls)?;
         finite(&self.shear).map_err(|fault| format!(".shear{fault}"))?;
         finite(&[self.torsion]).map_err(|_| wrong(".torsion", self.torsion, "a finite number"))?;
         let mut reached = 0.0;
@@ -85,8 +95,8 @@ impl ContactMemory {
 }
 
 impl BondMemory {
-    fn check(&self, grains: usize) -> Result<(), String> {
-        bodies(self.first, self.second, grains)?;
+    fn check(&self, grains: usize, walls: usize) -> Result<(), String> {
+        bodies(self.first, self.second, grains, walls)?;
         for (field, length) in [(".distance", self.distance), (".radius", self.radius)] {
             if !(length.is_finite() && length > 0.0) {
                 return Err(wrong(field, length, "a finite number above 0 m"));

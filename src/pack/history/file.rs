@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::History;
+use super::{History, MOST_BODIES};
 use crate::pack::PackError;
 
 /// Most bytes of the file for each grain: 100 contacts need 25 kB, 100 layers another 12 kB.
@@ -24,7 +24,7 @@ pub fn history_file(csv: &Path) -> PathBuf {
 /// # Errors
 /// When the history is not one of such a pack; [`read`] would refuse it.
 pub(in crate::pack) fn to_json(history: &History, grains: usize) -> Result<String, String> {
-    history.check(grains)?;
+    history.check_among(grains, MOST_BODIES)?;
     let rotations = lines(&history.rotation)?;
     let contacts = lines(&history.contacts)?;
     let bonds = match history.bonds.is_empty() {
@@ -70,7 +70,8 @@ pub(in crate::pack) fn parse(
         }
     })?;
     json.end().map_err(|error| wrong(error.to_string()))?;
-    history.check(grains).map_err(wrong)?;
+    // The scene knows how many there are.
+    history.check_among(grains, MOST_BODIES).map_err(wrong)?;
     Ok(history)
 }
 

@@ -33,16 +33,17 @@ pub(super) struct Node {
 }
 
 impl Tree {
-    /// For grains at `position` with those of the pairs `start`, `second` that `couples`.
+    /// For grains at `position` with those of the pairs `start`, `second` that `couples`, and `more` pairs.
     pub(super) fn build(
         &mut self,
         position: &[[f64; 2]],
         start: &[u32],
         second: &[u32],
         couples: impl Fn(usize) -> bool,
+        more: &[(u32, u32)],
     ) {
         let n = position.len();
-        self.link(n, start, second, couples);
+        self.link(n, start, second, couples, more);
         self.nodes.clear();
         self.grains.clear();
         self.rank.clear();
@@ -60,7 +61,14 @@ impl Tree {
         self.couple(pieces);
     }
 
-    fn link(&mut self, n: usize, start: &[u32], second: &[u32], couples: impl Fn(usize) -> bool) {
+    fn link(
+        &mut self,
+        n: usize,
+        start: &[u32],
+        second: &[u32],
+        couples: impl Fn(usize) -> bool,
+        more: &[(u32, u32)],
+    ) {
         self.start.clear();
         self.start.resize(n + 1, 0);
         let rows = |i: usize| start[i] as usize..start[i + 1] as usize;
@@ -70,21 +78,27 @@ impl Tree {
                 self.start[second[k] as usize + 1] += 1;
             }
         }
+        for &(i, j) in more {
+            self.start[i as usize + 1] += 1;
+            self.start[j as usize + 1] += 1;
+        }
         for i in 0..n {
             self.start[i + 1] += self.start[i];
         }
         let mut next = self.start.clone();
         self.links.clear();
         self.links.resize(next[n] as usize, (0, 0));
-        for i in 0..n {
-            for k in rows(i).filter(|&k| couples(k)) {
-                for (one, other) in [(i as u32, second[k]), (second[k], i as u32)] {
-                    let place = &mut next[one as usize];
-                    self.links[*place as usize] = (other, k as u32);
-                    *place += 1;
-                }
+        let mut put = |one: u32, other: u32, entry: usize| {
+            for (one, other) in [(one, other), (other, one)] {
+                let place = &mut next[one as usize];
+                self.links[*place as usize] = (other, entry as u32);
+                *place += 1;
             }
+        };
+        for i in 0..n {
+            rows(i).filter(|&k| couples(k)).for_each(|k| put(i as u32, second[k], k));
         }
+        more.iter().zip(second.len()..).for_each(|(&(i, j), entry)| put(i, j, entry));
     }
 
     /// The pairs of a grain: the other one, and the entry of the list.

@@ -1,0 +1,99 @@
+//! The loads of the sides: which sides a load moves, and what they carry now.
+
+use super::cell::Side;
+use super::work::Workspace;
+use crate::model::Model;
+use crate::relax::advance;
+use crate::relax::servo::Drive as Load;
+use crate::state::State;
+use crate::wall::{self, Control, Setpoint};
+
+/// The loads of `setpoint`. The two sides of a pair in a box share one; those of an annulus and
+/// membranes have their own.
+pub(super) fn of(model: &Model, setpoint: &Setpoint) -> Vec<Load> {
+    let Some(setup) = &model.plane else { return Vec::new() };
+    let mut loads = Vec::new();
+    for axis in 0..2 {
+        let pair = [2 * axis, 2 * axis + 1];
+        let apart = !setup.cell.is_paired() || pair.iter().any(|&w| setup.cell.is_membrane(w));
+        match apart {
+            true => loads.extend(pair.into_iter().filter_map(|w| {
+                let mut alone = *setpoint;
+                alone[w ^ 1] = Control::Displacement(0.0);
+                Load::of(&alone).into_iter().find(|load| load.axis == axis)
+            })),
+            false => loads.extend(Load::of(setpoint).into_iter().filter(|load| load.axis == axis)),
+        }
+    }
+    loads
+}
+
+/// The first side that `load` moves.
+pub(super) fn side(load: &Load) -> usize {
+    2 * load.axis + usize::from(load.shares[0] == 0.0)
+}
+
+/// `goal` with what the sides of `state` carry now, `forces` \[N\].
+pub(super) fn present(
+    model: &Model,
+    goal: &[Load],
+    forces: &[f64; wall::COUNT],
+    state: &State,
+) -> Vec<Load> {
+    let now = |load: &Load| {
+        let force = load.force(forces);
+        let area = model.wall_area(side(load), &state.displacement);
+        let now = match load.load {
+            wall::Load::Force(_) => wall::Load::Force(force),
+            wall::Load::Stress(_) => wall::Load::Stress(force / area),
+        };
+        Load { load: now, ..*load }
+    };
+    goal.iter().map(now).collect()
+}
+
+/// Largest strain that is left to `target` \[m\].
+pub(super) fn remaining_strain(model: &Model, state: &State, target: &[f64; wall::COUNT]) -> f64 {
+    model
+        .plane
+        .as_ref()
+        .map_or(0.0, |setup| setup.cell.remaining_strain(&state.displacement, target))
+}
+
+/// The membranes press as the scene has it, before anything else does.
+pub(super) fn wrap(model: &Model, state: &mut State) {
+    let Some(setup) = &model.plane else { return };
+    for (pressure, side) in state.pressure.iter_mut().zip(&setup.cell.sides) {
+        if let Side::Membrane(at_first) = side {
+            *pressure = *at_first;
+        }
+    }
+}
+
+/// The membranes press with their part of `loads`.
+pub(super) fn press(model: &Model, state: &mut State, work: &mut Workspace, loads: &[Load]) {
+    let Some(setup) = &model.plane else { return };
+    for load in loads.iter().filter(|load| setup.cell.is_membrane(side(load))) {
+        state.pressure[side(load)] = load.stress().unwrap_or(0.0);
+    }
+    for membrane in &mut work.membranes {
+        membrane.pressure = state.pressure[membrane.side];
+    }
+}
+
+/// Adds the work of the sides on the way of `state` from `last`, on which their forces went from the
+/// first to the second of `forces` \[N\]; that of membranes is the work of their pressure on the grains.
+pub(super) fn add_work(
+    state: &mut State,
+    last: &State,
+    work: &Workspace,
+    forces: (&[f64; wall::COUNT], &[f64; wall::COUNT]),
+) {
+    let (mut before, mut after) = (*forces.0, *forces.1);
+    for membrane in &work.membranes {
+        (before[membrane.side], after[membrane.side]) = (0.0, 0.0);
+    }
+    advance::add_work(state, &last.displacement, &before, &after);
+    let works = work.membranes.iter().map(|m| m.work(&work.pose.at, last.pressure[m.side]));
+    state.wall_work += works.sum::<f64>();
+}
