@@ -60,7 +60,7 @@ pub struct Timing<'a> {
     pub clock: &'a dyn Fn() -> Duration,
 }
 
-/// Walks the job with every method and every tolerance that is looser than the reference's.
+/// Walks the job with every method for its dimension and every tolerance that is looser than the reference's.
 ///
 /// Where a method ran into the time limit, its tighter tolerances are not tried. `watch` sees each
 /// row and may break off; the rows so far are returned then.
@@ -74,7 +74,7 @@ pub fn measure(
     watch: &mut dyn FnMut(&Row) -> ControlFlow<()>,
 ) -> Result<Vec<Row>, TwinError> {
     let mut rows = Vec::new();
-    for method in Method::ALL {
+    for method in Method::ALL.into_iter().filter(|one| one.relaxes(job.scene.dimension)) {
         let mut slow = None;
         for tolerance in TOLERANCES.into_iter().filter(|&one| one > reference.tolerance) {
             let row = match slow {

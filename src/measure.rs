@@ -16,6 +16,7 @@ pub mod hydrate;
 pub mod moduli;
 pub mod motion;
 pub mod network;
+pub mod plane;
 pub mod porosity;
 pub mod rearrangement;
 pub mod stress;

@@ -26,6 +26,7 @@ pub mod topics;
 pub mod transforms;
 
 pub use diagnostics::{DiagnosticArray, DiagnosticStatus, KeyValue};
+pub use graintwin::PlaneState;
 pub use graintwin::{
     Bonds, BoundaryCommand, Circumstance, ContactNetwork, Cracks, Discrepancy, Event, Fabric,
     GrainMotion, Moduli, PackState, Report, Tangent, TangentModuli, WallForces, WallTargets,

@@ -322,6 +322,7 @@ fn demand(settings: &scene::Record) -> Demand {
     demand.grain_motion = settings.takes(&topics::GRAIN_MOTION);
     demand.fabric = settings.takes(&topics::FABRIC);
     demand.hydrate = settings.takes(&topics::HYDRATE);
+    demand.plane = settings.takes(&topics::PLANE_STATE);
     demand.rearrangements = settings.takes(&topics::REARRANGEMENTS);
     demand.snapshots = settings.takes(&topics::SNAPSHOTS);
     demand.bonds = marked || settings.takes(&topics::BONDS);

@@ -8,6 +8,8 @@ mod fabric;
 
 mod hydrate;
 
+mod plane;
+
 mod rearrangement;
 
 mod tangent;
@@ -20,6 +22,8 @@ pub use cement::{BondCondition, Bonds, Crack, Cracks};
 pub use motion::{Band, GrainMotion, Localisation};
 
 pub use hydrate::Hydrate;
+
+pub use plane::{PlaneState, Polar, Rings};
 
 pub use fabric::{AngularForm, ByAngle, Chains, Directions, Fabric};
 
@@ -45,6 +49,8 @@ pub struct Demand {
     pub fabric: bool,
     /// Hydrate and pore pressure, where the pack has hydrate: [`Hydrate`].
     pub hydrate: bool,
+    /// What is measured of discs alone: [`PlaneState`]; nothing of spheres.
+    pub plane: bool,
     /// What each event did: [`Rearrangement`].
     pub rearrangements: bool,
     /// All grains before and after each event: [`Snapshot`].
@@ -66,6 +72,7 @@ impl Demand {
         grain_motion: true,
         fabric: true,
         hydrate: true,
+        plane: true,
         rearrangements: true,
         snapshots: true,
         bonds: true,
@@ -82,6 +89,7 @@ impl Demand {
         grain_motion: false,
         fabric: false,
         hydrate: false,
+        plane: false,
         rearrangements: false,
         snapshots: false,
         bonds: false,
@@ -100,6 +108,7 @@ impl Demand {
             grain_motion: self.grain_motion || other.grain_motion,
             fabric: self.fabric || other.fabric,
             hydrate: self.hydrate || other.hydrate,
+            plane: self.plane || other.plane,
             rearrangements: self.rearrangements || other.rearrangements,
             snapshots: self.snapshots || other.snapshots,
             bonds: self.bonds || other.bonds,
@@ -165,6 +174,8 @@ pub struct Measures {
     pub fabric: Option<Fabric>,
     /// Present when [`Demand::hydrate`] was set and the pack has hydrate.
     pub hydrate: Option<Hydrate>,
+    /// Present when [`Demand::plane`] was set and the scene is of discs.
+    pub plane: Option<PlaneState>,
     /// Present when [`Demand::bonds`] was set and the scene has cement.
     pub bonds: Option<Bonds>,
     /// Present when [`Demand::cracks`] was set and the scene has cement.
@@ -355,4 +366,6 @@ pub struct Grains {
     pub pressure: Vec<f64>,
     /// Way of the centre since the start of the run, from where the pack as given had it \[m\].
     pub displacement: Vec<[f64; 3]>,
+    /// Turn of a disc about z \[rad\]; empty for spheres and without friction.
+    pub turn: Vec<f64>,
 }

@@ -128,7 +128,8 @@ impl Twin {
             spent: Effort::default(),
             targets: scene.walls.targets.in_order(),
             shows_motion: scene.view.color.is_of_motion(),
-            past: (scene.outputs.grain_motion != When::Never).then(Past::default),
+            past: (scene.dimension == 2 || scene.outputs.grain_motion != When::Never)
+                .then(Past::default),
             chain_share: scene.outputs.chain_share,
             moduli: scene.outputs.moduli,
             model,

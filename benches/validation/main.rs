@@ -4,7 +4,7 @@
 //! Writes the figures of `docs/validation.md` into `docs/images` and prints its tables. Seeds as
 //! arguments take the place of the default ones: `-- 4 5`, and names of parts select them:
 //! `-- network` (the force network), `-- events`, `-- cement`, `-- two_step`, `-- hydrates`,
-//! `-- moduli`, `-- samples` (packs of discs). One thread; takes minutes.
+//! `-- moduli`, `-- samples` (packs of discs), `-- sand`, `-- sandstone`, `-- crystal`. One thread; takes minutes.
 #![allow(clippy::print_stdout, clippy::expect_used)] // A bench prints, and ends when a step fails.
 
 mod cement;
@@ -14,6 +14,7 @@ mod figures;
 mod hydrates;
 mod intervals;
 mod network;
+mod plane;
 mod runs;
 mod samples;
 mod specimen;
@@ -32,8 +33,18 @@ use runs::Sample;
 const SEEDS: [u64; 3] = [1, 2, 3];
 
 /// Parts that can be selected.
-const PARTS: [&str; 7] =
-    ["moduli", "network", "events", "cement", "two_step", "hydrates", "samples"];
+const PARTS: [&str; 10] = [
+    "moduli",
+    "network",
+    "events",
+    "cement",
+    "two_step",
+    "hydrates",
+    "samples",
+    "sand",
+    "sandstone",
+    "crystal",
+];
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -71,6 +82,15 @@ fn main() {
     }
     if selected("samples") {
         samples::print(&pool.install(samples::run));
+    }
+    if selected("sand") {
+        pool.install(|| plane::sand(&seeds));
+    }
+    if selected("sandstone") {
+        pool.install(|| plane::sandstone(&seeds));
+    }
+    if selected("crystal") {
+        pool.install(plane::crystal);
     }
     if selected("two_step") {
         pool.install(|| two_step::run(&seeds));

@@ -15,7 +15,8 @@ use super::{Failure, Outcome, output};
 ///
 /// Writes overview with the four most telling charts, and stress_strain, stress_path,
 /// volume_change, wall_forces, moduli, coordination, friction, energy, effort, forces, fabric,
-/// network, hydrate, motion and cement, and prints the names of the files. Charts bear the name of the scene and the
+/// network, hydrate, motion and cement, of discs biaxial, roses, interior, profiles and grains, and
+/// prints the names of the files. Charts bear the name of the scene and the
 /// units of their axes. What the recording does not hold is left out, and so is friction where no
 /// contact carried any. A damaged recording is drawn as far as it can be read, and the exit code is
 /// 3.

@@ -12,8 +12,8 @@ use graintwin::command::Disposition;
 use graintwin::measure::coordination::Histograms;
 use graintwin::pack::prepare::Reached;
 use graintwin::report::{
-    Demand, Event, EventKind, Fabric, Hydrate, Localisation, Measures, Moduli, PackState, Tangent,
-    WallForces,
+    Demand, Event, EventKind, Fabric, Hydrate, Localisation, Measures, Moduli, PackState,
+    PlaneState, Tangent, WallForces,
 };
 use graintwin::scene::{Friction, Loaded, Outputs, When};
 use graintwin::sink::{Served, Sink};
@@ -54,6 +54,9 @@ pub(super) struct Summary {
     /// Whether the scene has friction.
     #[serde(skip)]
     frictional: bool,
+    /// Axes that the pack has walls along.
+    #[serde(skip)]
+    axes: usize,
     /// The node, when there was one.
     #[cfg(feature = "ros")]
     node: Option<graintwin::node::Summary>,
@@ -92,6 +95,9 @@ struct Moment {
     /// When the pack has hydrate.
     #[serde(skip_serializing_if = "Option::is_none")]
     hydrate: Option<Hydrate>,
+    /// Of discs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    plane: Option<PlaneState>,
 }
 
 /// The bonds at the end, and what broke in this run.
@@ -137,6 +143,7 @@ impl Summary {
             worst_residual: 0.0,
             solve_seconds: 0.0,
             frictional: loaded.scene.contact.friction != Friction::None,
+            axes: usize::from(loaded.scene.dimension),
             #[cfg(feature = "ros")]
             node: None,
             #[cfg(feature = "ros")]
@@ -238,6 +245,7 @@ impl Summary {
             moduli: measures.moduli,
             tangent: measures.tangent,
             hydrate: measures.hydrate,
+            plane: measures.plane.clone(),
         };
         self.increments = measures.increment;
         let increment = measures.increment;
@@ -259,7 +267,8 @@ impl Summary {
 
 impl Sink for &mut Summary {
     fn demand(&self) -> Demand {
-        Demand { state: true, moduli: true, tangent: true, hydrate: true, ..Demand::NONE }
+        let (state, moduli, tangent) = (true, true, true);
+        Demand { state, moduli, tangent, hydrate: true, plane: true, ..Demand::NONE }
     }
 
     fn served(&mut self, served: &Arc<Served>) {

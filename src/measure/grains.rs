@@ -34,6 +34,7 @@ pub fn grains(model: &Model, state: &State, contacts: &[Contact]) -> Grains {
         radius: vec![0.0; model.len()],
         pressure: vec![0.0; model.len()],
         displacement: vec![[0.0; 3]; model.len()],
+        turn: if model.plane.is_some() { vec![0.0; state.rotation.len()] } else { Vec::new() },
     };
     let dimensions = f64::from(model.dimensions());
     for (k, &order) in model.order.iter().enumerate() {
@@ -43,6 +44,9 @@ pub fn grains(model: &Model, state: &State, contacts: &[Contact]) -> Grains {
         grains.radius[at] = model.radius[k];
         grains.pressure[at] = moment[k] / (dimensions * model.grain_volume(model.radius[k]));
         grains.displacement[at] = (state.position[k] - given).into();
+        if let (Some(turn), Some(rotation)) = (grains.turn.get_mut(at), state.rotation.get(k)) {
+            *turn = rotation.z;
+        }
     }
     grains
 }

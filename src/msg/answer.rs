@@ -107,6 +107,9 @@ fn each_measure<E>(
     if let Some(hydrate) = convert::hydrate(measures) {
         give(&topics::HYDRATE, &hydrate)?;
     }
+    if let Some(plane) = convert::plane_state(measures) {
+        give(&topics::PLANE_STATE, &plane)?;
+    }
     if wants(&topics::BONDS)
         && let Some(bonds) = convert::whole_bonds(measures)
     {
@@ -189,7 +192,8 @@ macro_rules! outgoing {
 outgoing!(header of BoundaryCommand, WallTargets, Circumstance, Report, WallForces, WrenchStamped,
     JointState, JointTrajectory, PackState, Moduli, ContactNetwork, GrainMotion, Event, Discrepancy, Fabric, Tangent,
     DiagnosticArray, PointCloud2);
-outgoing!(header of Rearrangement, Snapshot, Dissociation, Hydrate, Bonds, Cracks);
+outgoing!(header of Rearrangement, Snapshot, Dissociation, Hydrate, Bonds, Cracks,
+    super::PlaneState);
 outgoing!(Log: |message| message.stamp.into(), ParameterEvent: |message| message.stamp.into());
 outgoing!(TFMessage: |message| {
     message.transforms.first().map(|first| first.header.stamp.into()).unwrap_or_default()

@@ -13,8 +13,10 @@ pub use fabric::fabric;
 mod tangent;
 
 mod hydrate;
+mod plane;
 
 pub use hydrate::hydrate;
+pub use plane::plane_state;
 
 use super::topics::{PACK_FRAME, VIEW_FRAME, WORLD_FRAME, wall_frame};
 use super::{

@@ -8,6 +8,8 @@ mod fabric;
 
 mod hydrate;
 
+mod plane;
+
 mod tangent;
 
 use serde::{Deserialize, Serialize};
@@ -23,6 +25,8 @@ pub use tangent::{Tangent, TangentModuli};
 pub use fabric::Fabric;
 
 pub use hydrate::{Dissociation, Hydrate};
+
+pub use plane::PlaneState;
 
 /// Where the walls shall be.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -274,6 +278,11 @@ message!(
     Hydrate,
     &[Header::TYPE],
     "18043ae68674771914dccccdcab5a2df4bb5216df1d8d485da3d4110a9b59e06"
+);
+message!(
+    PlaneState,
+    &[Header::TYPE],
+    "f0324477ee45d2a6934a8acedefc60043e63a18ae785479fa28b231d934e8359"
 );
 message!(
     WallForces,

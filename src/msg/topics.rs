@@ -6,8 +6,8 @@ use super::schema::{Described, MessageType};
 use super::{
     Bonds, BoundaryCommand, Circumstance, ContactNetwork, Cracks, DiagnosticArray, Discrepancy,
     Dissociation, Event, Fabric, GrainMotion, Hydrate, JointState, JointTrajectory, MarkerArray,
-    Moduli, PackState, PointCloud2, Report, TFMessage, Tangent, WallForces, WallTargets,
-    WrenchStamped,
+    Moduli, PackState, PlaneState, PointCloud2, Report, TFMessage, Tangent, WallForces,
+    WallTargets, WrenchStamped,
 };
 use crate::wall;
 
@@ -151,6 +151,9 @@ pub static FABRIC: Topic = Topic::new("fabric", Fabric::TYPE, 64);
 /// Out: [`Hydrate`], when the pack has hydrate.
 pub static HYDRATE: Topic = Topic::new("hydrate", Hydrate::TYPE, 64);
 
+/// Out: [`PlaneState`], of discs.
+pub static PLANE_STATE: Topic = Topic::new("plane_state", PlaneState::TYPE, 64);
+
 /// Out: [`Bonds`], where there is cement.
 pub static BONDS: Topic = Topic::new("bonds", Bonds::TYPE, 64);
 /// Out: [`Cracks`], where there is cement.
@@ -196,6 +199,7 @@ pub fn measures() -> impl Iterator<Item = &'static Topic> {
         &GRAIN_MOTION,
         &FABRIC,
         &HYDRATE,
+        &PLANE_STATE,
         &BONDS,
         &CRACKS,
         &EVENTS,

@@ -14,8 +14,8 @@ use super::{NodeError, clock, mapping};
 use crate::msg::{
     Bonds, BoundaryCommand, Clock, ContactNetwork, Cracks, DiagnosticArray, Discrepancy,
     Dissociation, Event, Fabric, GrainMotion, Hydrate, JointState, JointTrajectory, MarkerArray,
-    Moduli, PackState, PointCloud2, Rearrangement, Report, TFMessage, Tangent, Topic, WallForces,
-    WallTargets, WrenchStamped, topics,
+    Moduli, PackState, PlaneState, PointCloud2, Rearrangement, Report, TFMessage, Tangent, Topic,
+    WallForces, WallTargets, WrenchStamped, topics,
 };
 use crate::{scene, wall};
 
@@ -39,6 +39,7 @@ pub(super) struct Endpoints {
     pub events: Out<Event>,
     pub fabric: Out<Fabric>,
     pub hydrate: Out<Hydrate>,
+    pub plane_state: Out<PlaneState>,
     pub bonds: Out<Bonds>,
     pub cracks: Out<Cracks>,
     pub rearrangements: Out<Rearrangement>,
@@ -137,6 +138,7 @@ impl Endpoints {
             events: Out::new(&mut node, identity, &topics::EVENTS)?,
             fabric: Out::new(&mut node, identity, &topics::FABRIC)?,
             hydrate: Out::new(&mut node, identity, &topics::HYDRATE)?,
+            plane_state: Out::new(&mut node, identity, &topics::PLANE_STATE)?,
             bonds: Out::new(&mut node, identity, &topics::BONDS)?,
             cracks: Out::new(&mut node, identity, &topics::CRACKS)?,
             rearrangements: Out::new(&mut node, identity, &topics::REARRANGEMENTS)?,
@@ -172,6 +174,7 @@ impl Endpoints {
             self.events.listeners(self),
             self.fabric.listeners(self),
             self.hydrate.listeners(self),
+            self.plane_state.listeners(self),
             self.bonds.listeners(self),
             self.cracks.listeners(self),
             self.rearrangements.listeners(self),

@@ -130,11 +130,16 @@ pub fn advance(
             jump.energy_before = jump.energy_after + (state.wall_work - worked) - (stored - had);
         }
         so_far.jumps.append(&mut work.jumps);
+        let cracks = so_far.cracks.len();
         if !break_bonds(model, state, work, near, &mut so_far, &mut forces) {
             state.copy_from(&start);
             so_far.jumps.clear();
             so_far.cracks.clear();
             return so_far;
+        }
+        if so_far.cracks.len() > cracks && !goal.is_empty() {
+            // The loads that the walls lost are asked for anew.
+            loads = loads::present(model, &goal, &forces, state);
         }
     }
 }

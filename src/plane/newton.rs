@@ -51,8 +51,10 @@ const LOOKS: u32 = 25;
 const MOST_STEPS: u32 = 5000;
 /// Residual below which contacts that are open stay open.
 const NEAR: f64 = 1e-5;
-/// Steps without a smaller residual after which rounding is what is left.
-const PATIENCE: u32 = 12;
+/// Steps without a smaller residual after which rounding is what is left, and the residual from which on
+/// that may be so.
+const ROUNDED: f64 = 1e-6;
+const PATIENCE: u32 = 30;
 
 /// Scratch of a search.
 #[derive(Clone, Debug, Default)]
@@ -164,9 +166,9 @@ pub(super) fn relax(
             (best, worse) = (outcome.residual, 0);
         } else {
             // On the way down from where there is no minimum residuals grow.
-            worse += u32::from(!work.search.shifted);
+            worse += u32::from(!work.search.convex);
             // Far from a minimum residuals may rise for long.
-            if worse > PATIENCE && best < 1e-6 {
+            if worse > PATIENCE && best < ROUNDED {
                 outcome.status = Status::Stalled;
                 return outcome;
             }
@@ -176,6 +178,8 @@ pub(super) fn relax(
         let opened = outcome.residual < NEAR && open(model, state, work);
         if floating::rejoin(model, state, work) || dropped || opened {
             work.evaluate(model, state);
+            // Another balance: the way down begins anew.
+            (best, worse) = (f64::INFINITY, 0);
         }
         if !step(model, state, work, near, outcome.residual) || !go(model, state, work) {
             outcome.status = Status::Unstable;

@@ -1,8 +1,10 @@
 //! What a scene of spheres or of discs cannot have.
 
+mod path;
+
 use super::check::{Field, Problems};
 use super::prepare::Step;
-use super::{Axis, Friction, Law, Method, Normal, Rotation, Scene, When};
+use super::{Axis, Friction, Law, Normal, Rotation, Scene, When};
 
 pub(super) fn check(scene: &Scene, problems: &mut Problems) {
     let at = Field::root();
@@ -32,7 +34,7 @@ pub(super) fn check(scene: &Scene, problems: &mut Problems) {
         let text = "discs slide by radial return; allowed: return_map";
         not(at.key("contact").key("friction").key("law"), text);
     }
-    if matches!(scene.solver.method, Method::ConjugateGradient | Method::Dynamic) {
+    if !scene.solver.method.relaxes(2) {
         let text = format!(
             "{} is for spheres; allowed in the plane: newton, gauss_seidel",
             scene.solver.method.name()
@@ -64,4 +66,6 @@ pub(super) fn check(scene: &Scene, problems: &mut Problems) {
         let text = "the motion of grains is for spheres; allowed in the plane: never";
         not(at.key("outputs").key("grain_motion"), text);
     }
+    path::check(&scene.load_path.0, &at.key("load_path"), problems);
+    path::targets(&scene.walls.targets, &at.key("walls").key("targets"), problems);
 }

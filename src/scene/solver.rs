@@ -109,6 +109,12 @@ impl Method {
     pub const ALL: [Self; 4] =
         [Self::Newton, Self::ConjugateGradient, Self::GaussSeidel, Self::Dynamic];
 
+    /// Whether it relaxes packs of this dimension: spheres by all, discs by two of them.
+    #[must_use]
+    pub const fn relaxes(self, dimension: u8) -> bool {
+        dimension != 2 || matches!(self, Self::Newton | Self::GaussSeidel)
+    }
+
     /// The name that scenes know it by.
     #[must_use]
     pub const fn name(self) -> &'static str {

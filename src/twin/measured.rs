@@ -3,6 +3,7 @@
 use nalgebra::Matrix3;
 
 use super::Twin;
+use super::past::Past;
 use crate::command::Stamp;
 use crate::measure::contacts::Contacts;
 use crate::measure::coordination::{self, Histograms};
@@ -15,7 +16,8 @@ use crate::plane;
 use crate::relax::advance::Advance;
 use crate::relax::tangent;
 use crate::report::{
-    Cracks, Demand, Fabric, GrainMotion, Measures, Moduli, PackState, Tangent, WallForces,
+    Cracks, Demand, Fabric, GrainMotion, Measures, Moduli, PackState, PlaneState, Tangent,
+    WallForces,
 };
 use crate::scene::ModuliKind;
 use crate::wall::Bounds;
@@ -43,6 +45,7 @@ impl Twin {
         let motion = if shown { self.motion() } else { None };
         let contacts = self.contacts();
         let tangent = self.tangent(reached, demand);
+        let plane = if demand.plane { self.plane_state(&contacts) } else { None };
         let loaded = self.loaded(&contacts);
         let before =
             std::mem::replace(&mut self.stress_strain, (loaded.normal_stress(), loaded.strain));
@@ -74,6 +77,7 @@ impl Twin {
                 true => hydrate::hydrate(model, state, &contacts.list, loaded.stress.trace() / 3.0),
                 false => None,
             },
+            plane,
             bonds: if demand.bonds { cement::bonds(model, state, &contacts) } else { None },
             cracks: match demand.cracks {
                 true => cement::cracks(model, state, &reached.cracks),
@@ -200,8 +204,16 @@ impl Twin {
     #[must_use]
     pub fn motion(&self) -> Option<GrainMotion> {
         let Self { model, state, past, pool, .. } = self;
-        let before = past.as_ref()?.before();
+        let before = past.as_ref().filter(|_| model.plane.is_none())?.before();
         Some(pool.install(|| motion::motion(model, before, state)))
+    }
+
+    fn plane_state(&self, contacts: &Contacts) -> Option<PlaneState> {
+        let Self { model, state, past, .. } = self;
+        model.plane.as_ref()?;
+        // No increment ends at the start.
+        let before = past.as_ref().filter(|_| self.increment > 0).map(Past::before);
+        Some(measure::plane::state(model, state, contacts, before))
     }
 
     /// Histograms of the coordination number now (T fig. 2.6).

@@ -56,6 +56,8 @@ pub enum Pattern {
     Dashed,
     /// Nothing: the points are marked.
     Dots,
+    /// A line without marks, for drawings.
+    Bare,
 }
 
 impl Stroke {

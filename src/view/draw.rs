@@ -82,7 +82,9 @@ fn legend(svg: &mut Svg, chart: &Chart, [left, top]: [f64; 2], room: f64) -> f64
         svg.begin_sample(series.stroke.color, series.stroke.width.min(WIDEST_SAMPLE));
         let middle = at[1] - 4.0;
         match series.stroke.pattern {
-            Pattern::Solid => svg.polyline(&[[at[0], middle], [at[0] + SAMPLE, middle]]),
+            Pattern::Solid | Pattern::Bare => {
+                svg.polyline(&[[at[0], middle], [at[0] + SAMPLE, middle]]);
+            }
             Pattern::Dashed => svg.dashed(&[[at[0], middle], [at[0] + SAMPLE, middle]]),
             Pattern::Dots => svg.dot([at[0] + 0.5 * SAMPLE, middle], dot_radius(series)),
         }

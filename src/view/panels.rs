@@ -11,6 +11,7 @@ mod measures;
 mod moduli;
 mod motion;
 mod network;
+mod plane;
 mod solver;
 mod strain;
 mod typical;
@@ -18,6 +19,7 @@ mod volume;
 
 use super::chart::Chart;
 use super::history::History;
+use super::run::Run;
 use super::sheet::Sheet;
 
 use strain::Strain;
@@ -71,12 +73,17 @@ pub fn sheets(history: &History, title: &str) -> Vec<(&'static str, Sheet)> {
         ("hydrate", hydrate::charts(run)),
         (
             "fabric",
-            vec![
-                fabric::anisotropy(run, &strain),
-                fabric::stress_ratio(run, &strain),
-                fabric::axial_share(run, &strain),
-                fabric::by_angle(run),
-            ],
+            // About the axis z, which discs do not have.
+            if run.is_plane() {
+                Vec::new()
+            } else {
+                vec![
+                    fabric::anisotropy(run, &strain),
+                    fabric::stress_ratio(run, &strain),
+                    fabric::axial_share(run, &strain),
+                    fabric::by_angle(run),
+                ]
+            },
         ),
         (
             "network",
@@ -88,6 +95,7 @@ pub fn sheets(history: &History, title: &str) -> Vec<(&'static str, Sheet)> {
         ),
     ];
     let sheets = sheets.into_iter().chain([("cement", cement::cracks(run, &strain))]);
+    let sheets = sheets.chain(of_discs(run, &strain));
     let subtitle = subtitle(history);
     let sheet = |(name, mut charts): (_, Vec<Chart>)| {
         charts.retain(|chart| !chart.is_empty());
@@ -95,6 +103,25 @@ pub fn sheets(history: &History, title: &str) -> Vec<(&'static str, Sheet)> {
         (!sheet.charts.is_empty()).then_some((name, sheet))
     };
     sheets.filter_map(sheet).collect()
+}
+
+/// The sheets of discs; empty ones for spheres.
+fn of_discs(run: &Run, strain: &Strain) -> [(&'static str, Vec<Chart>); 5] {
+    let mut biaxial = plane::biaxial(run);
+    biaxial.push(plane::contacts(run, strain));
+    biaxial.push(plane::mohr(run));
+    let interior = vec![
+        plane::principal(run, strain),
+        plane::directions(run, strain),
+        plane::rotation(run, strain),
+    ];
+    [
+        ("biaxial", biaxial),
+        ("roses", plane::roses(run)),
+        ("interior", interior),
+        ("profiles", plane::profiles(run)),
+        ("grains", plane::fields::charts(run)),
+    ]
 }
 
 fn subtitle(history: &History) -> String {

@@ -41,6 +41,8 @@ pub struct Painter {
     first: u64,
     /// Whether there is cement to be drawn.
     cemented: bool,
+    /// Whether the grains are discs.
+    plane: bool,
 }
 
 impl Painter {
@@ -53,7 +55,8 @@ impl Painter {
         };
         let first = (GRAINS_AT_FIRST / grains.max(1) as u64).max(EACH);
         let cemented = matches!(scene.contact.normal, Normal::Cement(_));
-        Self { name: scene.name.clone(), view: scene.view, scale, first, cemented }
+        let (name, plane) = (scene.name.clone(), scene.dimension == 2);
+        Self { name, view: scene.view, scale, first, cemented, plane }
     }
 
     /// Size of the picture over that of the specimen.
@@ -87,7 +90,7 @@ impl Painter {
     #[must_use]
     pub fn markers(&self, measures: &Measures) -> Option<MarkerArray> {
         let grains = measures.grains.as_ref()?;
-        let canvas = Canvas { header: header(measures), scale: self.scale };
+        let canvas = Canvas { header: header(measures), scale: self.scale, plane: self.plane };
         let mut markers = walls::walls(&canvas, &measures.walls);
         markers.push(caption::caption(&canvas, &self.name, measures));
         markers.extend(chains::chains(&canvas, grains, measures.network.as_ref()));
@@ -136,6 +139,7 @@ fn length(vector: &[f64; 3]) -> f64 {
 struct Canvas {
     header: Header,
     scale: f64,
+    plane: bool,
 }
 
 impl Canvas {

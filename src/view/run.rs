@@ -1,11 +1,12 @@
 //! The measures of one run.
 
 pub(super) mod cement;
+pub(super) mod plane;
 
 use super::motions::Motions;
 use crate::msg::{
-    ContactNetwork, Cracks, Event, Fabric, GrainMotion, Hydrate, Moduli, PackState, Rearrangement,
-    Tangent, WallForces,
+    ContactNetwork, Cracks, Event, Fabric, GrainMotion, Hydrate, Moduli, PackState, PlaneState,
+    PointCloud2, Rearrangement, Tangent, WallForces,
 };
 use crate::report::EventKind;
 
@@ -23,6 +24,8 @@ pub struct Run {
     pub fabrics: Vec<Fabric>,
     /// Hydrate and pore pressures.
     pub hydrates: Vec<Hydrate>,
+    /// Discs.
+    pub plane: plane::Plane,
     /// The moduli of the states themselves.
     pub tangents: Vec<Tangent>,
     /// The forces of the first and of the last contact network, which may be the same.
@@ -71,6 +74,8 @@ pub(super) enum Measure {
     Motion(Box<GrainMotion>),
     Fabric(Box<Fabric>),
     Hydrate(Hydrate),
+    Plane(Box<PlaneState>),
+    Cloud(Box<PointCloud2>),
     Cracks(Box<Cracks>),
     Event(Event),
     Rearrangement(Rearrangement),
@@ -81,6 +86,12 @@ impl Run {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Whether it is of discs.
+    #[must_use]
+    pub fn is_plane(&self) -> bool {
+        !self.plane.states.is_empty()
     }
 
     /// The first and the last increment that anything is known of.
@@ -100,6 +111,7 @@ impl Run {
             .chain(networks)
             .chain(motions)
             .chain(fabrics)
+            .chain(self.plane.states.iter().map(|state| state.increment))
             .chain(self.hydrates.iter().map(|hydrate| hydrate.increment));
         all.fold(None, |range, at| {
             let (first, last) = range.unwrap_or((at, at));
@@ -116,6 +128,7 @@ impl Run {
             .max(self.loads.len())
             .max(self.motions.whole.len())
             .max(self.fabrics.len())
+            .max(self.plane.states.len())
             .max(self.hydrates.len())
     }
 
@@ -135,6 +148,9 @@ impl Run {
             Measure::Hydrate(next) => {
                 (self.hydrates.last().map(|m| m.increment), next.increment, false)
             }
+            Measure::Plane(next) => {
+                (self.plane.states.last().map(|m| m.increment), next.increment, false)
+            }
             Measure::Tangent(next) => {
                 (self.tangents.last().map(|m| m.increment), next.increment, false)
             }
@@ -148,7 +164,7 @@ impl Run {
                 next.chunk > 0,
             ),
             // They come after the measures of their increment.
-            Measure::Event(_) | Measure::Rearrangement(_) => return false,
+            Measure::Event(_) | Measure::Rearrangement(_) | Measure::Cloud(_) => return false,
         };
         last.is_some_and(|last| next < last || (next == 0 && last == 0 && !goes_on))
     }
@@ -159,10 +175,15 @@ impl Run {
             Measure::Walls(walls) => self.walls.push(walls),
             Measure::Moduli(moduli) => self.moduli.push(moduli),
             Measure::Tangent(tangent) => self.tangents.push(*tangent),
-            Measure::Network(network) => self.add_network(&network),
+            Measure::Network(network) => {
+                self.add_network(&network);
+                self.plane.add_network(&network);
+            }
             Measure::Motion(motion) => self.motions.add(*motion),
             Measure::Fabric(fabric) => self.fabrics.push(*fabric),
             Measure::Hydrate(hydrate) => self.hydrates.push(hydrate),
+            Measure::Plane(state) => self.plane.states.push(*state),
+            Measure::Cloud(cloud) => self.plane.add_cloud(&cloud),
             Measure::Cracks(cracks) => self.cement.add(&cracks),
             // What broke is drawn by itself.
             Measure::Event(event) if event.kind == EventKind::StressDrop as u8 => {

@@ -3,6 +3,7 @@
 use super::chart::Chart;
 use super::draw::draw;
 use super::layout::{NOTE, shortened, wrapped};
+use super::scale::Kind;
 use super::svg::{Anchor, Svg};
 
 /// Charts on one image.
@@ -18,6 +19,9 @@ pub struct Sheet {
 
 /// Size of one chart \[pixels\].
 const CHART: [f64; 2] = [560.0, 380.0];
+
+/// Size of one chart where all are planes \[pixels\].
+const PLANE: [f64; 2] = [560.0, 640.0];
 
 /// Size of a chart that is alone \[pixels\].
 const ALONE: [f64; 2] = [720.0, 440.0];
@@ -53,7 +57,12 @@ impl Sheet {
     #[must_use]
     pub fn to_svg(&self) -> String {
         let columns = self.charts.len().clamp(1, 2);
-        let chart = if columns == 1 { ALONE } else { CHART };
+        let plane = |chart: &Chart| chart.x.kind == Kind::Plane;
+        let chart = match columns {
+            1 => ALONE,
+            _ if self.charts.iter().all(plane) => PLANE,
+            _ => CHART,
+        };
         let rows = self.charts.len().div_ceil(columns).max(1);
         let width = GAP + columns as f64 * (chart[0] + GAP);
         let subtitle = wrapped(&self.subtitle, NOTE, width - 4.0 * GAP);

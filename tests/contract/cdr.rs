@@ -15,7 +15,7 @@ use graintwin::msg::{
     Bonds, BoundaryCommand, Circumstance, Clock, ContactNetwork, Cracks, Described,
     DiagnosticArray, DiagnosticStatus, Discrepancy, Dissociation, Duration, Event, Fabric,
     GrainMotion, Header, Hydrate, JointState, JointTrajectory, JointTrajectoryPoint, KeyValue,
-    Moduli, PackState, Quaternion, Rearrangement, Report, Snapshot, TFMessage, Tangent,
+    Moduli, PackState, PlaneState, Quaternion, Rearrangement, Report, Snapshot, TFMessage, Tangent,
     TangentModuli, Time, Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench,
     WrenchStamped,
 };
@@ -475,6 +475,19 @@ fn bytes_hashes_and_definitions_are_those_of_an_independent_implementation() {
         total_stress: 2.08e7,
         porosity: 0.36,
         pore_fraction: 0.46,
+    });
+    exchange.add(PlaneState {
+        header: header("pack"),
+        increment: 7,
+        mean_diameter: 2e-4,
+        stress: [1e5, 3e5, -2e4],
+        principal_stress: [3.02e5, 9.8e4],
+        network_strain: [-1e-4, 2e-4, 1e-5],
+        contact_strain: [-0.5e-4, 1e-4],
+        polar_contacts: vec![3, 0, 5],
+        polar_normal: vec![0.25, 0.0, 1.5],
+        ring_radius: vec![1e-3],
+        ..PlaneState::default()
     });
     exchange.add(Rearrangement {
         header: header("pack"),

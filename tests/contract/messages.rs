@@ -17,7 +17,7 @@ use graintwin::msg::{
     Bonds, BoundaryCommand, Circumstance, Clock, ContactNetwork, Cracks, Described,
     DiagnosticArray, DiagnosticStatus, Discrepancy, Dissociation, Duration, Event, Fabric,
     GrainMotion, Header, Hydrate, JointState, JointTrajectory, JointTrajectoryPoint, KeyValue,
-    Moduli, PackState, Quaternion, Rearrangement, Report, Snapshot, TFMessage, Tangent,
+    Moduli, PackState, PlaneState, Quaternion, Rearrangement, Report, Snapshot, TFMessage, Tangent,
     TangentModuli, Time, Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench,
     WrenchStamped, topics,
 };
@@ -94,6 +94,7 @@ fn every_struct_has_the_fields_of_its_text() {
     assert_same_fields::<Fabric>();
     assert_same_fields::<Dissociation>();
     assert_same_fields::<Hydrate>();
+    assert_same_fields::<PlaneState>();
     assert_same_fields::<Rearrangement>();
     assert_same_fields::<Snapshot>();
     assert_same_fields::<Time>();
@@ -187,6 +188,7 @@ fn every_message_text_is_built_by_the_package_and_has_a_struct() {
         Fabric::TYPE,
         Dissociation::TYPE,
         Hydrate::TYPE,
+        PlaneState::TYPE,
         Rearrangement::TYPE,
         Snapshot::TYPE,
         Discrepancy::TYPE,
@@ -390,6 +392,7 @@ fn measures(contacts: u32) -> Measures {
         motion: None,
         fabric: None,
         hydrate: None,
+        plane: None,
         bonds: None,
         cracks: None,
     }

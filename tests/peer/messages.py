@@ -340,6 +340,32 @@ class Hydrate(IdlStruct, typename="graintwin_msgs.msg.dds_.Hydrate_"):
 
 
 @dataclass
+class PlaneState(IdlStruct, typename="graintwin_msgs.msg.dds_.PlaneState_"):
+    header: Header
+    increment: uint64
+    mean_diameter: float64
+    tilt: float64
+    margin: float64
+    area: float64
+    stress: array[float64, 3]
+    principal_stress: array[float64, 2]
+    principal_direction: float64
+    contacts_per_grain: float64
+    contact_density: float64
+    share_broken: float64
+    mean_rotation: float64
+    network_strain: array[float64, 3]
+    contact_strain: array[float64, 2]
+    polar_contacts: sequence[uint32]
+    polar_normal: sequence[float64]
+    polar_shear: sequence[float64]
+    ring_radius: sequence[float64]
+    ring_radial_stress: sequence[float64]
+    ring_hoop_stress: sequence[float64]
+    ring_contact_density: sequence[float64]
+
+
+@dataclass
 class Discrepancy(IdlStruct, typename="graintwin_msgs.msg.dds_.Discrepancy_"):
     header: Header
     increment: uint64
@@ -519,6 +545,7 @@ OUT = {
     "events": Out(Event, 20000),
     "fabric": Out(Fabric, 20000),
     "hydrate": Out(Hydrate, 20000),
+    "plane_state": Out(PlaneState, 20000),
     "bonds": Out(Bonds, 2000),
     "cracks": Out(Cracks, 20000),
     "rearrangements": Out(Rearrangement, 20000),

@@ -447,6 +447,7 @@ fn two_independent_readers_find_every_field_of_every_message() {
             "/graintwin/measured_wrench/z_max",
             "/graintwin/measured_wrench/z_min",
             "/graintwin/moduli",
+            "/graintwin/plane_state",
             "/graintwin/rearrangements",
             "/graintwin/report",
             "/graintwin/snapshots",

@@ -486,7 +486,7 @@ fn values_out_of_range_are_named_with_line_column_field_and_what_is_allowed() {
             "walls: {friction: -0.1}",
             "2:19: walls.friction: -0.1 is outside friction >= 0, .inf included",
         ),
-        ("dimension: 2", "2:12: dimension: 2; allowed: 3"),
+        ("dimension: 4", "2:12: dimension: 4; allowed: 2, 3"),
         ("name: ''", "2:7: name: \"\" is no name"),
         (
             "reference: {min: [0, 0, 0], max: [1, 0, 1]}",

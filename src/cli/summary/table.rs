@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use graintwin::report::{Hydrate, Moduli, Tangent};
+use graintwin::report::{Hydrate, Moduli, PlaneState, Tangent};
 use graintwin::wall;
 
 use super::{Moment, Summary};
@@ -111,7 +111,7 @@ pub(super) fn write(summary: &Summary) -> String {
         text.push('\n');
         let from = format!("increment {}", start.increment);
         row(&mut text, "", "", &from, &format!("increment {}", end.increment));
-        for (name, unit, from, to) in rows(start, end, summary.frictional) {
+        for (name, unit, from, to) in rows(start, end, summary.axes, summary.frictional) {
             row(&mut text, name, unit, &shown(from), &shown(to));
         }
     }
@@ -120,20 +120,20 @@ pub(super) fn write(summary: &Summary) -> String {
 
 type Row = (&'static str, &'static str, Option<f64>, Option<f64>);
 
-fn rows(start: &Moment, end: &Moment, frictional: bool) -> Vec<Row> {
+fn rows(start: &Moment, end: &Moment, axes: usize, frictional: bool) -> Vec<Row> {
     let mut rows = Vec::new();
     let mut add = |name, unit, of: &dyn Fn(&Moment) -> Option<f64>| {
         rows.push((name, unit, of(start), of(end)));
     };
-    for (axis, name) in ["strain x", "strain y", "strain z"].into_iter().enumerate() {
+    for (axis, name) in ["strain x", "strain y", "strain z"].into_iter().take(axes).enumerate() {
         add(name, "", &|moment| Some(moment.state?.strain[axis]));
     }
-    for (axis, name) in ["stress x", "stress y", "stress z"].into_iter().enumerate() {
+    for (axis, name) in ["stress x", "stress y", "stress z"].into_iter().take(axes).enumerate() {
         add(name, "MPa", &|moment| Some(moment.state?.stress_walls[4 * axis] * 1e-6));
     }
     add("confining stress", "MPa", &|moment| Some(moment.state?.confining_stress * 1e-6));
     add("deviatoric stress", "MPa", &|moment| Some(moment.state?.deviatoric_stress * 1e-6));
-    for (wall, name) in wall::NAMES.into_iter().enumerate() {
+    for (wall, name) in wall::NAMES.into_iter().take(2 * axes).enumerate() {
         add(name, "N", &|moment| Some(moment.walls.normal_force[wall]));
     }
     add("error of them", "N", &|moment| Some(moment.wall_force_error));
@@ -175,6 +175,18 @@ fn rows(start: &Moment, end: &Moment, frictional: bool) -> Vec<Row> {
         add("effective stress", "MPa", |hydrate| hydrate.effective_stress * 1e-6);
         add("total stress", "MPa", |hydrate| hydrate.total_stress * 1e-6);
         add("pores and hydrate", "", |hydrate| hydrate.pore_fraction);
+    }
+    if end.plane.is_some() {
+        let mut add = |name, unit, of: fn(&PlaneState) -> f64| {
+            let known = |moment: &Moment| moment.plane.as_ref().map(of);
+            rows.push((name, unit, known(start), known(end)));
+        };
+        add("sigma1 of the interior", "MPa", |plane| plane.principal_stress[0] * 1e-6);
+        add("sigma3 of the interior", "MPa", |plane| plane.principal_stress[1] * 1e-6);
+        add("contacts per grain", "", |plane| plane.contacts_per_grain);
+        add("contacts per volume", "", |plane| plane.contact_density);
+        add("share of broken bonds", "", |plane| plane.share_broken);
+        add("mean rotation", "rad", |plane| plane.mean_rotation);
     }
     if end.tangent.is_none() {
         return rows;

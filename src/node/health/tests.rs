@@ -25,6 +25,7 @@ fn served(disposition: Disposition, iterations: Option<u32>) -> Served {
         motion: None,
         fabric: None,
         hydrate: None,
+        plane: None,
         bonds: None,
         cracks: None,
         rearrangements: Vec::new(),

@@ -55,12 +55,13 @@ fn settled(making: &Scene, pack: &Pack) -> Result<Pack, String> {
     standing.walls.targets = Targets::default();
     for _ in 0..MOST_ROUNDS {
         let (again, rested) = started(&standing, &pack)?;
-        pack = again;
         if rested {
-            break;
+            return Ok(again);
         }
+        // What moved under standing walls has changed their loads a little.
+        (pack, _) = started(making, &again)?;
     }
-    Ok(pack)
+    Ok(started(&standing, &pack)?.0)
 }
 
 /// `pack` where a twin starts from it, and whether it was that already.

@@ -155,6 +155,7 @@ fn light(served: &Served) -> Served {
         let events = measures.events.clone();
         let fabric = measures.fabric.clone();
         let hydrate = measures.hydrate;
+        let plane = measures.plane.clone();
         let rearrangements = measures.rearrangements.clone();
         let snapshots = measures.snapshots.clone();
         let cracks = measures.cracks.clone();
@@ -175,6 +176,7 @@ fn light(served: &Served) -> Served {
             motion,
             fabric,
             hydrate,
+            plane,
             bonds,
             cracks,
         }

@@ -15,7 +15,10 @@ pub(super) fn cracks(run: &Run, strain: &Strain) -> Vec<Chart> {
     match run.cement.places.iter().all(Vec::is_empty) {
         true => Vec::new(),
         false => {
-            vec![intact(run, strain), broken(run, strain), places(run, [0, 2]), places(run, [1, 2])]
+            let mut charts = vec![intact(run, strain), broken(run, strain)];
+            let planes: &[[usize; 2]] = if run.is_plane() { &[[0, 1]] } else { &[[0, 2], [1, 2]] };
+            charts.extend(planes.iter().map(|&axes| places(run, axes)));
+            charts
         }
     }
 }
@@ -60,10 +63,11 @@ fn places(run: &Run, axes: [usize; 2]) -> Chart {
         series
     };
     let [x, y] = axes.map(|axis| ["x", "y", "z"][axis]);
+    let axis = if run.is_plane() { Axis::plane } else { Axis::linear };
     Chart {
         title: format!("Where bonds broke, in {x} and {y}"),
-        x: Axis::linear(x, Unit::Si("m")),
-        y: Axis::linear(y, Unit::Si("m")),
+        x: axis(x, Unit::Si("m")),
+        y: axis(y, Unit::Si("m")),
         series: MODES.into_iter().enumerate().map(dots).collect(),
         notes: vec!["Projections of the centres of the contacts, as they were then.".into()],
     }

@@ -7,7 +7,7 @@ use crate::view::chart::{Chart, Pattern, Series, Stroke};
 use crate::view::run::Run;
 use crate::view::scale::Axis;
 use crate::view::unit::Unit;
-use crate::wall;
+use crate::{plane, wall};
 
 /// A line of one value of the pack.
 pub(super) fn series(
@@ -48,11 +48,14 @@ pub(super) fn path(run: &Run) -> Chart {
         x: Axis::linear("mean stress p", Unit::Si("Pa")),
         y: Axis::linear("deviatoric stress q", Unit::Si("Pa")),
         series: vec![Series::new(0, "path", run.states.iter().map(point)), start],
-        notes: vec![
-            "p: a third of the trace of the stress on the walls. q: stress along z minus the mean \
-             of the other two."
-                .into(),
-        ],
+        notes: vec![match run.is_plane() {
+            false => {
+                "p: a third of the trace of the stress on the walls. q: stress along z minus the mean \
+                 of the other two."
+            }
+            true => "p: half of the trace of the stress on the walls. q: stress along y minus that along x.",
+        }
+        .into()],
     }
 }
 
@@ -73,11 +76,12 @@ pub(super) fn wall_forces(run: &Run) -> Chart {
         let points = run.walls.iter().map(point).collect();
         Series { name: wall::NAMES[wall].into(), points, spread: Vec::new(), stroke: *stroke }
     };
+    let sides = if run.is_plane() { plane::boundary::SIDES } else { wall::COUNT };
     Chart {
         title: "Wall forces".into(),
         x: Axis::count("increment"),
         y: Axis::linear("normal force", Unit::Si("N")),
-        series: WALLS.iter().enumerate().map(line).collect(),
+        series: WALLS.iter().enumerate().take(sides).map(line).collect(),
         notes: Vec::new(),
     }
 }

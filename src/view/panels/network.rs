@@ -16,11 +16,12 @@ pub(super) fn strongest_paths(run: &Run, strain: &Strain) -> Chart {
         };
         Series::new(axis, name, run.fabrics.iter().map(point))
     };
+    let axes = if run.is_plane() { 2 } else { 3 };
     let threshold = |fabric: &Fabric| {
         [strain.at(fabric.increment), fabric.chain_threshold / fabric.mean_normal_force]
     };
     let mut series: Vec<Series> =
-        ["along x", "along y", "along z"].into_iter().enumerate().map(line).collect();
+        ["along x", "along y", "along z"].into_iter().take(axes).enumerate().map(line).collect();
     let chains = run.fabrics.iter().map(threshold).collect();
     series.push(super::fabric::guide("#57606a", "least force of the force chains", chains));
     Chart {

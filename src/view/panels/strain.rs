@@ -6,8 +6,8 @@ use crate::view::run::Run;
 use crate::view::scale::Axis;
 use crate::view::unit::Unit;
 
-/// The scene's axis.
-const AXIAL: usize = 2;
+/// The scene's axis, of spheres and of discs.
+const AXIAL: [usize; 2] = [2, 1];
 
 /// Strains that differ less are none.
 pub(super) const LEAST: f64 = 1e-12;
@@ -24,7 +24,8 @@ const TURNING: f64 = 0.05;
 
 impl Strain {
     pub(super) fn of(run: &Run) -> Self {
-        let known = run.states.iter().map(|state| (state.increment, state.strain[AXIAL]));
+        let axial = AXIAL[usize::from(run.is_plane())];
+        let known = run.states.iter().map(|state| (state.increment, state.strain[axial]));
         let by_increment: BTreeMap<u64, f64> = known.collect();
         let finite = || by_increment.values().copied().filter(|strain| strain.is_finite());
         let low = finite().fold(f64::INFINITY, f64::min);

@@ -18,17 +18,21 @@ const COLOR: ColorRGBA = ColorRGBA { r: 0.5, g: 0.5, b: 0.5, a: 1.0 };
 pub(super) fn caption(canvas: &Canvas, name: &str, measures: &Measures) -> Marker {
     let (sides, [x, y, _]) = shape(&measures.walls);
     let letters = LETTERS * sides.into_iter().fold(0.0, f64::max);
-    let top = measures.walls.position[5] + 2.0 * letters;
+    let position = &measures.walls.position;
+    let at = match canvas.plane {
+        false => [x, y, position[5] + 2.0 * letters],
+        true => [x, position[3] + 2.0 * letters, 0.0],
+    };
     let mut marker = canvas.marker("text", 0, Marker::TEXT_VIEW_FACING);
-    marker.pose.position = canvas.point([x, y, top]);
+    marker.pose.position = canvas.point(at);
     marker.scale = [0.0, 0.0, letters * canvas.scale].into();
     marker.color = COLOR;
-    marker.text = text(name, measures, canvas.scale);
+    marker.text = text(name, measures, canvas);
     marker
 }
 
 /// What there is to say: the strain along the scene's axis, the loss of volume, and stresses.
-fn text(name: &str, measures: &Measures, scale: f64) -> String {
+fn text(name: &str, measures: &Measures, canvas: &Canvas) -> String {
     let mut text = format!("{name}, increment {}", measures.increment);
     if let Some(state) = &measures.state {
         let loss = 1.0 - state.strain.iter().map(|strain| 1.0 - strain).product::<f64>();
@@ -36,13 +40,13 @@ fn text(name: &str, measures: &Measures, scale: f64) -> String {
         let loss = if loss.abs() < ROUNDING { 0.0 } else { loss };
         text.push_str(&format!(
             ", axial strain {}, volumetric {}, confining stress {}, deviatoric {}",
-            quantity(state.strain[2], Unit::Strain),
+            quantity(state.strain[if canvas.plane { 1 } else { 2 }], Unit::Strain),
             quantity(loss, Unit::Strain),
             quantity(state.confining_stress, Unit::Si("Pa")),
             quantity(state.deviatoric_stress, Unit::Si("Pa")),
         ));
     }
-    text.push_str(&format!(", drawn {scale} : 1"));
+    text.push_str(&format!(", drawn {} : 1", canvas.scale));
     text
 }
 

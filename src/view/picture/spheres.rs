@@ -12,6 +12,9 @@ const BINS: [usize; 2] = [6, 16];
 /// Width of a bin over the largest radius, where the number of bins allows it.
 const WIDTH: f64 = 0.03;
 
+/// Depth of a disc over its diameter: the lines of the chains stay in sight above it.
+const FLAT: f64 = 0.02;
+
 /// Radii that differ by less than this share are equal.
 const EQUAL: f64 = 1e-6;
 
@@ -33,7 +36,8 @@ pub(super) fn spheres(
         .map(|bin| {
             let diameter = 2.0 * bins.middle(bin) * canvas.scale;
             let mut marker = canvas.marker("spheres", bin, Marker::SPHERE_LIST);
-            marker.scale = [diameter; 3].into();
+            let depth = if canvas.plane { FLAT * diameter } else { diameter };
+            marker.scale = [diameter, diameter, depth].into();
             marker.color = colors.color(range[0]);
             marker
         })

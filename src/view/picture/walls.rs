@@ -1,7 +1,8 @@
-//! The six walls as thin plates that let the pack be seen.
+//! The six walls, of discs four, as thin plates that let the pack be seen.
 
 use super::Canvas;
 use crate::msg::picture::{ColorRGBA, Marker};
+use crate::plane::boundary::SIDES;
 use crate::report::WallForces;
 use crate::wall;
 
@@ -15,7 +16,8 @@ const COLOR: ColorRGBA = ColorRGBA { r: 0.6, g: 0.7, b: 0.8, a: 0.12 };
 pub(super) fn walls(canvas: &Canvas, walls: &WallForces) -> Vec<Marker> {
     let (sides, centre) = shape(walls);
     let thickness = THICKNESS * sides.into_iter().fold(0.0, f64::max);
-    (0..wall::COUNT)
+    let count = if canvas.plane { SIDES } else { wall::COUNT };
+    (0..count)
         .map(|wall| {
             let axis = wall::axis(wall);
             let (mut at, mut plate) = (centre, sides);
