@@ -155,3 +155,25 @@ fn what_is_only_for_discs_or_only_for_spheres_is_named() {
         assert!(said.contains(text), "{said}");
     }
 }
+
+#[test]
+fn discs_are_made_between_two_circles() {
+    let inner = 7e-4;
+    let yaml = format!(
+        "dimension: 2\nmaterials: {{sand: {{young: 2.32e9, poisson: 0.16, density: 2650.0}}}}\n\
+         pack: {{generate: {{grains: 300, radius: {{grading_b: {{mean: 0.1e-3, ratio: 4.0}}}}, \
+         material: sand, confining_stress: 1.0e5}}}}\n\
+         walls: {{friction: 0.0, cell: {{annulus: {{inner: {inner}}}}}}}"
+    );
+    let scene = scene::parse(&yaml, Path::new("scene.yaml")).unwrap();
+    let pack = built(&scene);
+    let measures = found(&scene, &pack);
+    let outer = pack.bounds.max[0];
+    let depth = pack.bounds.sides()[2];
+    let stress = measures.walls.normal_force[1] / (2.0 * std::f64::consts::PI * outer * depth);
+    assert!((stress / 1e5 - 1.0).abs() < 1e-6, "{stress}");
+    for grain in &pack.grains {
+        let far = grain.position[0].hypot(grain.position[1]);
+        assert!(far + 0.9 * grain.radius < outer && far - 0.9 * grain.radius > inner);
+    }
+}
