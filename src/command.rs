@@ -6,11 +6,13 @@ pub mod gate;
 pub mod map;
 pub mod merge;
 pub mod request;
+mod shear;
 
 use serde::{Deserialize, Serialize};
 
 use crate::wall::{self, WallTarget};
 pub use dissociation::Dissociation;
+pub use shear::Shear;
 
 /// A point in time as ROS 2 writes it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -93,6 +95,8 @@ pub enum Ask {
     Targets([WallTarget; wall::COUNT]),
     /// Hydrate dissociates. This is `graintwin_msgs/Dissociation`.
     Dissociation(Dissociation),
+    /// A box of discs is tilted. This is `graintwin_msgs/ShearCommand`.
+    Shear(Shear),
 }
 
 impl Ask {
@@ -108,6 +112,7 @@ impl Ask {
         match self {
             Self::Displacement(displacement) => displacement.map(WallTarget::Displacement),
             Self::Targets(targets) => *targets,
+            Self::Shear(shear) => shear.targets,
             Self::Dissociation(_) => [WallTarget::Keep; wall::COUNT],
         }
     }

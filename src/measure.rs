@@ -19,6 +19,7 @@ pub mod network;
 pub mod plane;
 pub mod porosity;
 pub mod rearrangement;
+pub mod shear;
 pub mod stress;
 pub mod sudden;
 pub mod tangent;

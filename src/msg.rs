@@ -32,6 +32,7 @@ pub use graintwin::{
     GrainMotion, Moduli, PackState, Report, Tangent, TangentModuli, WallForces, WallTargets,
 };
 pub use graintwin::{Dissociation, Hydrate};
+pub use graintwin::{ShearCommand, ShearState};
 pub use picture::{Marker, MarkerArray, PointCloud2};
 pub use rearrangement::{Rearrangement, Snapshot};
 pub use schema::{Described, MessageType};

@@ -404,11 +404,13 @@ fn receive(
     options: &scene::Node,
     intake: Intakes,
 ) -> Vec<JoinHandle<()>> {
-    let Sources { commands, targets, dissociations, joint_states, joint_trajectory } = sources;
+    let Sources { commands, targets, dissociations, shears, joint_states, joint_trajectory } =
+        sources;
     let mut tasks = vec![
         runtime.spawn(intake.clone().receive(commands, commands::of_ours)),
         runtime.spawn(intake.clone().receive(targets, commands::of_ours)),
         runtime.spawn(intake.clone().receive(dissociations, commands::of_ours)),
+        runtime.spawn(intake.clone().receive(shears, commands::of_ours)),
     ];
     if let (Some(subscription), Some(map)) = (joint_states, &options.joint_states) {
         let mut map = JointStateMap::new(map);

@@ -13,6 +13,7 @@ mod csv;
 mod dissociate;
 mod error;
 mod rig_log;
+mod shear;
 mod strain;
 mod targets;
 
@@ -20,7 +21,7 @@ use std::collections::VecDeque;
 use std::path::{Path as FilePath, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::command::{Ask, Command, Dissociation, Mode, Stamp};
+use crate::command::{Ask, Command, Dissociation, Mode, Shear, Stamp};
 use crate::plane::Cell;
 use crate::plane::cell::Side;
 use crate::report::{Demand, WallForces};
@@ -208,6 +209,7 @@ fn follow(step: &Step, folder: &FilePath, course: &mut Course) -> Result<(), Pat
         Step::Unload(step) => strain::unload(step, course),
         Step::Walls(step) => targets::follow(step, course),
         Step::Dissociate(step) => dissociate::follow(step, course),
+        Step::Shear(step) => shear::follow(step, course),
         Step::Repeat(_) => Ok(()), // Its steps stand in its place.
         Step::Commands(file) => csv::follow(&folder.join(file), course),
         Step::RigLog(step) => rig_log::follow(step, &folder.join(&step.file), course),
@@ -229,6 +231,8 @@ struct Course {
     displacement: [f64; wall::COUNT],
     /// Saturation that is lost and pore pressure \[Pa\] by then.
     dissociated: (f64, f64),
+    /// Shear of the box by then.
+    tilt: f64,
     /// Whether the pore pressure has moved the walls since it was known where they are.
     adrift: bool,
     /// Normal force on each wall when the step began \[N\]; 0 where nobody knows.
@@ -249,6 +253,7 @@ impl Course {
             targets: [WallTarget::Displacement(0.0); wall::COUNT],
             displacement: [0.0; wall::COUNT],
             dissociated: (0.0, 0.0),
+            tilt: 0.0,
             adrift: false,
             force: [0.0; wall::COUNT],
             clock: 0,
@@ -315,6 +320,27 @@ impl Course {
         targets: [WallTarget; wall::COUNT],
     ) -> Result<(), PathError> {
         let was_loaded = self.is_loaded();
+        self.take(targets);
+        let ask = match was_loaded || self.is_loaded() {
+            true => Ask::Targets(self.targets),
+            false => Ask::Displacement(self.displacement),
+        };
+        self.command(nanoseconds, ask)
+    }
+
+    /// Adds a command for `nanoseconds` since the start of the run by which the box leans.
+    fn shear(
+        &mut self,
+        nanoseconds: i64,
+        tilt: f64,
+        targets: [WallTarget; wall::COUNT],
+    ) -> Result<(), PathError> {
+        self.take(targets);
+        self.tilt = tilt;
+        self.command(nanoseconds, Ask::Shear(Shear { tilt, targets: self.targets }))
+    }
+
+    fn take(&mut self, targets: [WallTarget; wall::COUNT]) {
         for (w, target) in targets.into_iter().enumerate().take(2 * self.axes) {
             // A membrane that is to stay goes on to press.
             let stays = target == WallTarget::Displacement(self.displacement[w]);
@@ -328,11 +354,6 @@ impl Course {
                 self.displacement[w] = displacement;
             }
         }
-        let ask = match was_loaded || self.is_loaded() {
-            true => Ask::Targets(self.targets),
-            false => Ask::Displacement(self.displacement),
-        };
-        self.command(nanoseconds, ask)
     }
 
     /// Adds a command for `nanoseconds` since the start of the run by which hydrate dissociates.

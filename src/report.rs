@@ -12,6 +12,8 @@ mod plane;
 
 mod rearrangement;
 
+mod shear;
+
 mod tangent;
 
 use serde::Serialize;
@@ -22,6 +24,8 @@ pub use cement::{BondCondition, Bonds, Crack, Cracks};
 pub use motion::{Band, GrainMotion, Localisation};
 
 pub use hydrate::Hydrate;
+
+pub use shear::Shear;
 
 pub use plane::{PlaneState, Polar, Rings};
 
@@ -49,6 +53,8 @@ pub struct Demand {
     pub fabric: bool,
     /// Hydrate and pore pressure, where the pack has hydrate: [`Hydrate`].
     pub hydrate: bool,
+    /// How a box of discs is sheared: [`Shear`].
+    pub shear: bool,
     /// What is measured of discs alone: [`PlaneState`]; nothing of spheres.
     pub plane: bool,
     /// What each event did: [`Rearrangement`].
@@ -72,6 +78,7 @@ impl Demand {
         grain_motion: true,
         fabric: true,
         hydrate: true,
+        shear: true,
         plane: true,
         rearrangements: true,
         snapshots: true,
@@ -89,6 +96,7 @@ impl Demand {
         grain_motion: false,
         fabric: false,
         hydrate: false,
+        shear: false,
         plane: false,
         rearrangements: false,
         snapshots: false,
@@ -108,6 +116,7 @@ impl Demand {
             grain_motion: self.grain_motion || other.grain_motion,
             fabric: self.fabric || other.fabric,
             hydrate: self.hydrate || other.hydrate,
+            shear: self.shear || other.shear,
             plane: self.plane || other.plane,
             rearrangements: self.rearrangements || other.rearrangements,
             snapshots: self.snapshots || other.snapshots,
@@ -174,6 +183,8 @@ pub struct Measures {
     pub fabric: Option<Fabric>,
     /// Present when [`Demand::hydrate`] was set and the pack has hydrate.
     pub hydrate: Option<Hydrate>,
+    /// Present when [`Demand::shear`] was set and the grains are discs.
+    pub shear: Option<Shear>,
     /// Present when [`Demand::plane`] was set and the scene is of discs.
     pub plane: Option<PlaneState>,
     /// Present when [`Demand::bonds`] was set and the scene has cement.

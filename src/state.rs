@@ -27,6 +27,8 @@ pub struct State {
     pub carries: Vec<bool>,
     /// Inward displacement of the walls since the start \[m\].
     pub displacement: [f64; wall::COUNT],
+    /// The side that each disc sticks to, shape (n); empty where nothing is glued.
+    pub glued: Vec<Option<u8>>,
     /// Shear γ by which a pack of discs and its side walls lean; 0 for spheres.
     pub tilt: f64,
     /// Pressure of the sides of a pack of discs that are membranes \[Pa\], 0 for others.
@@ -153,6 +155,7 @@ impl State {
             bonds: Vec::new(),
             carries: vec![true; model.len()],
             displacement: [0.0; wall::COUNT],
+            glued: Vec::new(),
             tilt: 0.0,
             pressure: [0.0; SIDES],
             outline: [0.0; SIDES],
@@ -270,6 +273,7 @@ impl State {
             + heap::bytes(&self.rotation)
             + heap::bytes(&self.carries)
             + heap::bytes(&self.bonds)
+            + heap::bytes(&self.glued)
             + self.memory.heap_bytes()
     }
 
@@ -296,6 +300,7 @@ impl State {
         if self.tilt != 0.0 {
             numbers(&[self.tilt], take);
         }
+        self.glued.iter().for_each(|side| take(&[side.map_or(u8::MAX, |side| side)]));
         if self.pressure != [0.0; SIDES] {
             numbers(&self.pressure, take);
             numbers(&self.outline, take);
@@ -329,6 +334,7 @@ impl State {
         self.bonds.clone_from(&other.bonds);
         self.carries.copy_from_slice(&other.carries);
         self.displacement = other.displacement;
+        self.glued.clone_from(&other.glued);
         self.tilt = other.tilt;
         self.pressure = other.pressure;
         self.outline = other.outline;

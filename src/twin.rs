@@ -250,7 +250,7 @@ impl Twin {
         if loads_need_newton(&self.model, &setpoint) {
             return Err(LOADS_NEED_NEWTON.into());
         }
-        let reached = self.advance(&setpoint);
+        let reached = self.advance(&setpoint, self.state.tilt);
         if !reached.outcome.status.is_equilibrium() {
             return Err(self.explain(&reached.outcome, reached.crept));
         }
@@ -342,6 +342,7 @@ impl Twin {
             report.text = join(&report.text, &tell(jump));
         }
         self.gate.served(command, Some(setpoint), self.state.displacement, &report);
+        self.gate.leant(self.state.tilt);
         report.measures = Some(self.measure(command.stamp, &reached, demand));
         report
     }

@@ -4,7 +4,8 @@
 //! Writes the figures of `docs/validation.md` into `docs/images` and prints its tables. Seeds as
 //! arguments take the place of the default ones: `-- 4 5`, and names of parts select them:
 //! `-- network` (the force network), `-- events`, `-- cement`, `-- two_step`, `-- hydrates`,
-//! `-- moduli`, `-- samples` (packs of discs), `-- sand`, `-- sandstone`, `-- crystal`. One thread; takes minutes.
+//! `-- moduli`, `-- samples` (packs of discs), `-- sand`, `-- sandstone`, `-- crystal`, `-- simple_shear`.
+//! One thread; takes minutes.
 #![allow(clippy::print_stdout, clippy::expect_used)] // A bench prints, and ends when a step fails.
 
 mod cement;
@@ -17,6 +18,7 @@ mod network;
 mod plane;
 mod runs;
 mod samples;
+mod simple_shear;
 mod specimen;
 mod tables;
 mod theory;
@@ -33,7 +35,7 @@ use runs::Sample;
 const SEEDS: [u64; 3] = [1, 2, 3];
 
 /// Parts that can be selected.
-const PARTS: [&str; 10] = [
+const PARTS: [&str; 11] = [
     "moduli",
     "network",
     "events",
@@ -44,6 +46,7 @@ const PARTS: [&str; 10] = [
     "sand",
     "sandstone",
     "crystal",
+    "simple_shear",
 ];
 
 fn main() {
@@ -79,6 +82,11 @@ fn main() {
         let samples = pool.install(|| cement::run(&seeds));
         cement::print(&samples);
         draw(cement::sheets(&samples));
+    }
+    if selected("simple_shear") {
+        let tests: Vec<_> =
+            pool.install(|| seeds.iter().map(|&seed| simple_shear::run(seed)).collect());
+        simple_shear::print(&tests);
     }
     if selected("samples") {
         samples::print(&pool.install(samples::run));

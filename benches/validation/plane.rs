@@ -19,9 +19,13 @@ const DIAMETER: f64 = 2.0e-4;
 /// Poisson's ratio of the grains.
 const POISSON: f64 = 0.16;
 
-/// Mean of `values`, and in brackets the lowest and the highest, with `digits` behind the point.
+/// Mean of `values`, and in brackets the lowest and the highest, with `digits` behind the point; a dash
+/// where a test did not come so far.
 fn spread(values: impl IntoIterator<Item = f64>, digits: usize) -> String {
     let values: Vec<f64> = values.into_iter().collect();
+    if values.iter().any(|value| value.is_nan()) {
+        return "-".into();
+    }
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);

@@ -5,7 +5,9 @@
 use std::io::Write;
 
 use arbitrary::Arbitrary;
-use graintwin::msg::{BoundaryCommand, Described, Dissociation, JointState, JointTrajectory, WallTargets};
+use graintwin::msg::{
+    BoundaryCommand, Described, Dissociation, JointState, JointTrajectory, ShearCommand, WallTargets,
+};
 
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 
@@ -63,6 +65,7 @@ enum Kind {
     Boundary,
     Targets,
     Dissociation,
+    Shear,
     States,
     Trajectory,
     Unknown,
@@ -227,6 +230,7 @@ impl Kind {
             Self::Boundary => BoundaryCommand::TYPE,
             Self::Targets => WallTargets::TYPE,
             Self::Dissociation => Dissociation::TYPE,
+            Self::Shear => ShearCommand::TYPE,
             Self::States => JointState::TYPE,
             Self::Trajectory => JointTrajectory::TYPE,
             Self::Unknown => return ("std_msgs/msg/String".into(), "string data\n".into()),

@@ -161,7 +161,14 @@ fn same(one: &Command, other: &Command) -> bool {
         Ask::Dissociation(asked) => Some(asked.named().map(|(_, number)| number.to_bits())),
         _ => None,
     };
-    bits(one) == bits(other) && dissociates(one) == dissociates(other) && rest(one) == rest(other)
+    let leans = |command: &Command| match &command.ask {
+        Ask::Shear(shear) => Some(shear.tilt.to_bits()),
+        _ => None,
+    };
+    bits(one) == bits(other)
+        && leans(one) == leans(other)
+        && dissociates(one) == dissociates(other)
+        && rest(one) == rest(other)
 }
 
 /// The first line in which what bears on the answers differs between the scene of a recording and

@@ -175,6 +175,7 @@ pub(super) fn ordered(outputs: Outputs, wanted: Demand) -> Demand {
         grain_motion: when(outputs.grain_motion, wanted.grain_motion),
         fabric: when(outputs.fabric, wanted.fabric),
         hydrate: wanted.hydrate,
+        shear: wanted.shear,
         plane: wanted.plane,
         rearrangements: when(outputs.rearrangements, wanted.rearrangements),
         snapshots: when(outputs.snapshots, wanted.snapshots),

@@ -33,6 +33,8 @@ pub enum Decision {
 pub struct Order {
     /// Where they shall stand, or what they shall carry.
     pub setpoint: Setpoint,
+    /// Shear γ by which the box shall lean.
+    pub tilt: f64,
     /// Whether that is less than what the command asked.
     pub clamped: bool,
     /// For the report.
@@ -67,6 +69,9 @@ pub struct Gate {
     hydrate: hydrate::Stock,
     /// What surrounds discs; `None` for spheres between six walls.
     cell: Option<Cell>,
+    /// Whether the box can lean, and by how much it does.
+    leans: bool,
+    tilt: f64,
 }
 
 /// The last command of a session that took a place in its sequence.
@@ -96,13 +101,16 @@ impl Gate {
             displacement,
             hydrate: hydrate::Stock::default(),
             cell: None,
+            leans: false,
+            tilt: 0.0,
         }
     }
 
     /// The same for discs in `cell`.
     #[must_use]
     pub fn in_plane(self, cell: Cell) -> Self {
-        Self { cell: Some(cell), ..self }
+        let leans = cell.leans();
+        Self { cell: Some(cell), leans, ..self }
     }
 
     /// The box with walls displaced inwards by `displacement` \[m\].
@@ -189,8 +197,9 @@ impl Gate {
                 Err(text) => refuse(Disposition::Invalid, text),
             };
         }
-        match self.setpoint(&command.ask, command.mode) {
-            Ok(setpoint) => match self.limit(command, setpoint, text) {
+        let tilt = self.tilted(&command.ask, command.mode);
+        match tilt.and_then(|tilt| Ok((self.setpoint(&command.ask, command.mode)?, tilt))) {
+            Ok((setpoint, tilt)) => match self.limit(command, (setpoint, tilt), text) {
                 Ok(order) => Decision::Serve(order),
                 Err(text) => refuse(Disposition::Limit, text),
             },
@@ -212,25 +221,25 @@ impl Gate {
         self.displacement = displacement;
     }
 
-    /// Holds `setpoint` against the limits.
+    /// Holds `setpoint`, and how the box shall lean, against the limits.
     ///
     /// # Errors
     /// When it is beyond one, unless it may be cut down to it.
     pub fn limit(
         &self,
         command: &Command,
-        setpoint: Setpoint,
+        (setpoint, tilt): (Setpoint, f64),
         text: String,
     ) -> Result<Order, String> {
         if let Some(text) = self.beyond_hard_limits(&setpoint) {
             return Err(text);
         }
-        match self.within_limits(&setpoint, self.elapsed(command)) {
-            (setpoint, None) => Ok(Order { setpoint, clamped: false, text }),
-            (_, Some(beyond)) if !self.limits.clamp => Err(beyond),
-            (setpoint, Some(beyond)) => {
+        match self.within_limits(&setpoint, tilt, self.elapsed(command)) {
+            (setpoint, tilt, None) => Ok(Order { setpoint, tilt, clamped: false, text }),
+            (.., Some(beyond)) if !self.limits.clamp => Err(beyond),
+            (setpoint, tilt, Some(beyond)) => {
                 let text = join(&text, &format!("as far as allowed: {beyond}"));
-                Ok(Order { setpoint, clamped: true, text })
+                Ok(Order { setpoint, tilt, clamped: true, text })
             }
         }
     }
@@ -245,6 +254,17 @@ impl Gate {
             true => Some(nanoseconds as f64 * 1e-9),
             false => (*session == command.session).then_some(0.0),
         }
+    }
+
+    /// The box leans by `tilt` from now on.
+    pub fn leant(&mut self, tilt: f64) {
+        self.tilt = tilt;
+    }
+
+    /// By how much the box leans.
+    #[must_use]
+    pub fn tilt(&self) -> f64 {
+        self.tilt
     }
 
     /// What the walls do now.
@@ -308,6 +328,7 @@ impl Gate {
         self.take_place(command, None);
         self.accepted = Some((command.session.clone(), command.stamp));
         self.now = order.setpoint;
+        self.tilt = order.tilt;
     }
 
     /// Forgets every command; the walls are back at their start. Limits, hold and faults stay.
@@ -315,6 +336,7 @@ impl Gate {
         self.displacement = [0.0; wall::COUNT];
         self.now = wall::standing(&self.displacement);
         self.hydrate.forget();
+        self.tilt = 0.0;
         self.sessions.clear();
         self.accepted = None;
     }

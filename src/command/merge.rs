@@ -53,7 +53,7 @@ impl<'a> Path<'a> {
         let to = match ask {
             Ask::Displacement(displacement) if stands => displacement[w],
             Ask::Displacement(_) => return true,
-            Ask::Dissociation(_) => return false,
+            Ask::Dissociation(_) | Ask::Shear(_) => return false,
             Ask::Targets(targets) => match targets[w] {
                 WallTarget::Keep => return true,
                 WallTarget::Displacement(displacement) if stands => displacement,

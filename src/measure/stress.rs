@@ -22,6 +22,24 @@ pub fn from_walls(walls: &WallForces, bounds: &Bounds) -> Matrix3<f64> {
     Matrix3::from_fn(|l, m| if l == m { normal(m) } else { shear(l, m) })
 }
 
+/// The same of a box of discs that leans by `tilt`, along x and y: the force on a leaning side is that
+/// across x without `tilt` of that across y.
+#[must_use]
+pub fn from_leaning_walls(walls: &WallForces, bounds: &Bounds, tilt: f64) -> Matrix3<f64> {
+    if tilt == 0.0 {
+        return from_walls(walls, bounds);
+    }
+    let across = |l: usize, m: usize| {
+        let [low, high] = [2 * m, 2 * m + 1];
+        0.5 * (walls.force[high][l] / bounds.area(high) - walls.force[low][l] / bounds.area(low))
+    };
+    Matrix3::from_fn(|l, m| match (l, m) {
+        (0 | 1, 0) => across(l, 0) + tilt * across(l, 1),
+        (0 | 1, 1) => across(l, 1),
+        _ => 0.0,
+    })
+}
+
 /// Love-Weber stress \[Pa\]: T 2.13 with each grain-grain contact taken once.
 #[must_use]
 pub fn from_contacts(contacts: &[Contact], bounds: &Bounds) -> Matrix3<f64> {

@@ -66,7 +66,7 @@ pub fn forces(model: &Model, state: &State, contacts: &[Contact]) -> WallForces 
             let at = state.position[contact.first as usize] - contact.normal * contact.distance;
             force[w] += on_wall;
             moment[w] += (at - center).cross(&on_wall) - contact.normal * contact.torsion;
-            normal_force[w] += pressed(model, contact, w, state.tilt);
+            normal_force[w] += pressed(model, contact, w);
         }
     }
     let membranes = model.plane.iter().flat_map(|setup| (0..4).map(move |w| (w, &setup.cell)));

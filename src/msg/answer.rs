@@ -11,8 +11,8 @@ use super::topics::{self, Topic};
 use super::{
     Bonds, BoundaryCommand, Circumstance, ContactNetwork, Cracks, Described, DiagnosticArray,
     Discrepancy, Dissociation, Event, Fabric, GrainMotion, Hydrate, JointState, JointTrajectory,
-    MarkerArray, MessageType, Moduli, PackState, PointCloud2, Report, TFMessage, Tangent,
-    WallForces, WallTargets, WrenchStamped,
+    MarkerArray, MessageType, Moduli, PackState, PointCloud2, Report, ShearCommand, ShearState,
+    TFMessage, Tangent, WallForces, WallTargets, WrenchStamped,
 };
 use crate::command::Stamp;
 use crate::report::Measures;
@@ -57,6 +57,7 @@ pub fn each<E>(
         Some(CommandMessage::Boundary(message)) => give(&topics::BOUNDARY_COMMAND, &message)?,
         Some(CommandMessage::Targets(message)) => give(&topics::WALL_TARGETS, &message)?,
         Some(CommandMessage::Dissociation(message)) => give(&topics::DISSOCIATION, &message)?,
+        Some(CommandMessage::Shear(message)) => give(&topics::SHEAR_COMMAND, &message)?,
         None => {}
     }
     if let Some(measures) = &served.report.measures {
@@ -103,6 +104,9 @@ fn each_measure<E>(
     }
     if let Some(fabric) = convert::fabric(measures) {
         give(&topics::FABRIC, &fabric)?;
+    }
+    if let Some(shear) = convert::shear(measures) {
+        give(&topics::SHEAR_STATE, &shear)?;
     }
     if let Some(hydrate) = convert::hydrate(measures) {
         give(&topics::HYDRATE, &hydrate)?;
@@ -194,6 +198,7 @@ outgoing!(header of BoundaryCommand, WallTargets, Circumstance, Report, WallForc
     DiagnosticArray, PointCloud2);
 outgoing!(header of Rearrangement, Snapshot, Dissociation, Hydrate, Bonds, Cracks,
     super::PlaneState);
+outgoing!(header of ShearCommand, ShearState);
 outgoing!(Log: |message| message.stamp.into(), ParameterEvent: |message| message.stamp.into());
 outgoing!(TFMessage: |message| {
     message.transforms.first().map(|first| first.header.stamp.into()).unwrap_or_default()

@@ -14,15 +14,17 @@ mod tangent;
 
 mod hydrate;
 mod plane;
+mod shear;
 
 pub use hydrate::hydrate;
 pub use plane::plane_state;
+pub use shear::shear;
 
 use super::topics::{PACK_FRAME, VIEW_FRAME, WORLD_FRAME, wall_frame};
 use super::{
     BoundaryCommand, ContactNetwork, Discrepancy, Dissociation, Event, Header, JointState, Moduli,
-    PackState, Report, TFMessage, Time, Transform, TransformStamped, WallForces, WallTargets,
-    Wrench, WrenchStamped,
+    PackState, Report, ShearCommand, TFMessage, Time, Transform, TransformStamped, WallForces,
+    WallTargets, Wrench, WrenchStamped,
 };
 use crate::command::{Ask, Command, Stamp};
 use crate::measure::discrepancy;
@@ -55,6 +57,8 @@ pub enum CommandMessage {
     Targets(WallTargets),
     /// With the dissociation of hydrate.
     Dissociation(Dissociation),
+    /// With the tilt of a box of discs.
+    Shear(ShearCommand),
 }
 
 impl From<&Command> for CommandMessage {
@@ -74,6 +78,7 @@ impl From<&Command> for CommandMessage {
                 control: targets.map(|target| target.numbers().0),
                 value: targets.map(|target| target.numbers().1),
             }),
+            Ask::Shear(asked) => Self::Shear(shear::command(command, &asked)),
             Ask::Dissociation(asked) => {
                 let crate::command::Dissociation { saturation_loss, pore_pressure, biot } = asked;
                 Self::Dissociation(Dissociation {

@@ -7,6 +7,7 @@ mod grain_motion;
 mod fabric;
 
 mod hydrate;
+mod shear;
 
 mod plane;
 
@@ -25,6 +26,8 @@ pub use tangent::{Tangent, TangentModuli};
 pub use fabric::Fabric;
 
 pub use hydrate::{Dissociation, Hydrate};
+
+pub use shear::{ShearCommand, ShearState};
 
 pub use plane::PlaneState;
 
@@ -273,6 +276,16 @@ message!(
     Dissociation,
     &[Header::TYPE],
     "0ff1686f2a4432051f58531579a1719a100d2b16b1ed2cec5e1eddc1fddc1087"
+);
+message!(
+    ShearCommand,
+    &[Header::TYPE],
+    "4d861b2f3c9c5b1b7367e6ca0c265c868021577f1dc42569308e19175c370153"
+);
+message!(
+    ShearState,
+    &[Header::TYPE],
+    "463cbc2629e43d0a396005bddcafeb19481a3dda0234a6d5ef5b9d744e615187"
 );
 message!(
     Hydrate,

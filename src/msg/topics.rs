@@ -6,8 +6,8 @@ use super::schema::{Described, MessageType};
 use super::{
     Bonds, BoundaryCommand, Circumstance, ContactNetwork, Cracks, DiagnosticArray, Discrepancy,
     Dissociation, Event, Fabric, GrainMotion, Hydrate, JointState, JointTrajectory, MarkerArray,
-    Moduli, PackState, PlaneState, PointCloud2, Report, TFMessage, Tangent, WallForces,
-    WallTargets, WrenchStamped,
+    Moduli, PackState, PlaneState, PointCloud2, Report, ShearCommand, ShearState, TFMessage,
+    Tangent, WallForces, WallTargets, WrenchStamped,
 };
 use crate::wall;
 
@@ -106,6 +106,8 @@ pub static BOUNDARY_COMMAND: Topic = Topic::new("boundary_command", BoundaryComm
 pub static WALL_TARGETS: Topic = Topic::new("wall_targets", WallTargets::TYPE, 20_000);
 /// In: [`Dissociation`].
 pub static DISSOCIATION: Topic = Topic::new("dissociation", Dissociation::TYPE, 20_000);
+/// In: [`ShearCommand`].
+pub static SHEAR_COMMAND: Topic = Topic::new("shear_command", ShearCommand::TYPE, 20_000);
 /// In, when the scene maps joints: [`JointState`]. Recorded as it came, and as the [`WallTargets`] it
 /// becomes.
 pub static JOINT_STATES: Topic = Topic::new("joint_states", JointState::TYPE, 256);
@@ -150,6 +152,9 @@ pub static FABRIC: Topic = Topic::new("fabric", Fabric::TYPE, 64);
 
 /// Out: [`Hydrate`], when the pack has hydrate.
 pub static HYDRATE: Topic = Topic::new("hydrate", Hydrate::TYPE, 64);
+
+/// Out: [`ShearState`], of discs.
+pub static SHEAR_STATE: Topic = Topic::new("shear_state", ShearState::TYPE, 64);
 
 /// Out: [`PlaneState`], of discs.
 pub static PLANE_STATE: Topic = Topic::new("plane_state", PlaneState::TYPE, 64);
@@ -199,6 +204,7 @@ pub fn measures() -> impl Iterator<Item = &'static Topic> {
         &GRAIN_MOTION,
         &FABRIC,
         &HYDRATE,
+        &SHEAR_STATE,
         &PLANE_STATE,
         &BONDS,
         &CRACKS,
@@ -213,7 +219,7 @@ pub fn measures() -> impl Iterator<Item = &'static Topic> {
 
 /// The topics of the commands.
 pub fn commands() -> impl Iterator<Item = &'static Topic> {
-    [&BOUNDARY_COMMAND, &WALL_TARGETS, &DISSOCIATION].into_iter()
+    [&BOUNDARY_COMMAND, &WALL_TARGETS, &DISSOCIATION, &SHEAR_COMMAND].into_iter()
 }
 
 /// Every topic that can be recorded, commands first.

@@ -14,8 +14,8 @@ use super::{NodeError, clock, mapping};
 use crate::msg::{
     Bonds, BoundaryCommand, Clock, ContactNetwork, Cracks, DiagnosticArray, Discrepancy,
     Dissociation, Event, Fabric, GrainMotion, Hydrate, JointState, JointTrajectory, MarkerArray,
-    Moduli, PackState, PlaneState, PointCloud2, Rearrangement, Report, TFMessage, Tangent, Topic,
-    WallForces, WallTargets, WrenchStamped, topics,
+    Moduli, PackState, PlaneState, PointCloud2, Rearrangement, Report, ShearCommand, ShearState,
+    TFMessage, Tangent, Topic, WallForces, WallTargets, WrenchStamped, topics,
 };
 use crate::{scene, wall};
 
@@ -39,6 +39,7 @@ pub(super) struct Endpoints {
     pub events: Out<Event>,
     pub fabric: Out<Fabric>,
     pub hydrate: Out<Hydrate>,
+    pub shear_state: Out<ShearState>,
     pub plane_state: Out<PlaneState>,
     pub bonds: Out<Bonds>,
     pub cracks: Out<Cracks>,
@@ -74,6 +75,7 @@ pub(super) struct Sources {
     pub commands: Subscription<BoundaryCommand>,
     pub targets: Subscription<WallTargets>,
     pub dissociations: Subscription<Dissociation>,
+    pub shears: Subscription<ShearCommand>,
     /// When the scene maps joints.
     pub joint_states: Option<Subscription<JointState>>,
     /// When the scene maps joints.
@@ -96,6 +98,7 @@ impl Endpoints {
                 commands: subscribe(&mut node, identity, &topics::BOUNDARY_COMMAND)?,
                 targets: subscribe(&mut node, identity, &topics::WALL_TARGETS)?,
                 dissociations: subscribe(&mut node, identity, &topics::DISSOCIATION)?,
+                shears: subscribe(&mut node, identity, &topics::SHEAR_COMMAND)?,
                 joint_states: match options.joint_states {
                     Some(_) => Some(subscribe(&mut node, identity, &topics::JOINT_STATES)?),
                     None => None,
@@ -138,6 +141,7 @@ impl Endpoints {
             events: Out::new(&mut node, identity, &topics::EVENTS)?,
             fabric: Out::new(&mut node, identity, &topics::FABRIC)?,
             hydrate: Out::new(&mut node, identity, &topics::HYDRATE)?,
+            shear_state: Out::new(&mut node, identity, &topics::SHEAR_STATE)?,
             plane_state: Out::new(&mut node, identity, &topics::PLANE_STATE)?,
             bonds: Out::new(&mut node, identity, &topics::BONDS)?,
             cracks: Out::new(&mut node, identity, &topics::CRACKS)?,
@@ -174,6 +178,7 @@ impl Endpoints {
             self.events.listeners(self),
             self.fabric.listeners(self),
             self.hydrate.listeners(self),
+            self.shear_state.listeners(self),
             self.plane_state.listeners(self),
             self.bonds.listeners(self),
             self.cracks.listeners(self),

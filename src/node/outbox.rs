@@ -19,7 +19,7 @@ use crate::msg::convert::LIVE_BONDS;
 use crate::msg::rearrangement::{self, LIVE_CONTACTS, LIVE_GRAINS, Rearrangement};
 use crate::msg::{
     Cracks, Discrepancy, Event, Fabric, Hydrate, JointState, Moduli, PackState, PlaneState, Report,
-    TFMessage, Tangent, WallForces, WrenchStamped, convert,
+    ShearState, TFMessage, Tangent, WallForces, WrenchStamped, convert,
 };
 use crate::report::Demand;
 use crate::scene::{ModuliKind, Outputs, When};
@@ -57,6 +57,7 @@ pub(super) enum Outgoing {
     Event(Event),
     Fabric(Box<Fabric>),
     Hydrate(Hydrate),
+    Shear(ShearState),
     PlaneState(Box<PlaneState>),
     Cracks(Box<Cracks>),
     Rearrangement(Rearrangement),
@@ -107,6 +108,7 @@ impl NodeSink {
             messages.extend(convert::moduli(measures).map(Outgoing::Moduli));
             messages.extend(convert::fabric(measures).map(|one| Outgoing::Fabric(Box::new(one))));
             messages.extend(convert::hydrate(measures).map(Outgoing::Hydrate));
+            messages.extend(convert::shear(measures).map(Outgoing::Shear));
             messages.extend(convert::plane_state(measures).map(Box::new).map(Outgoing::PlaneState));
             messages.extend(convert::tangent(measures).map(Box::new).map(Outgoing::Tangent));
             let cracks = convert::crack_chunks(measures, LIVE_BONDS);
@@ -159,6 +161,7 @@ impl Sink for NodeSink {
                 endpoints.contact_network.has_listener(endpoints)
             }) || marked && contact_network != When::Never,
             hydrate: asked(|endpoints| endpoints.hydrate.has_listener(endpoints)),
+            shear: asked(|endpoints| endpoints.shear_state.has_listener(endpoints)),
             plane: asked(|endpoints| endpoints.plane_state.has_listener(endpoints)),
             fabric: when(fabric, |endpoints| endpoints.fabric.has_listener(endpoints)),
             rearrangements: when(rearrangements, |endpoints| {
@@ -265,6 +268,7 @@ impl Outbox {
             Outgoing::Picture(Picture::Markers, _) => endpoints.markers.has_listener(endpoints),
             Outgoing::Event(_) => endpoints.events.has_listener(endpoints),
             Outgoing::Hydrate(_) => endpoints.hydrate.has_listener(endpoints),
+            Outgoing::Shear(_) => endpoints.shear_state.has_listener(endpoints),
             Outgoing::PlaneState(_) => endpoints.plane_state.has_listener(endpoints),
             Outgoing::Fabric(_) => endpoints.fabric.has_listener(endpoints),
             Outgoing::Cracks(_) => endpoints.cracks.has_listener(endpoints),
@@ -289,6 +293,7 @@ impl Outbox {
             Outgoing::Tangent(message) => endpoints.tangent.publish(*message).await,
             Outgoing::Event(message) => endpoints.events.publish(message).await,
             Outgoing::Hydrate(message) => endpoints.hydrate.publish(message).await,
+            Outgoing::Shear(message) => endpoints.shear_state.publish(message).await,
             Outgoing::PlaneState(message) => endpoints.plane_state.publish(*message).await,
             Outgoing::Fabric(message) => endpoints.fabric.publish(*message).await,
             Outgoing::Cracks(message) => endpoints.cracks.publish(*message).await,

@@ -21,7 +21,7 @@ use super::endpoints::{Out, subscribe};
 use super::{EndOfCommands, Identity, NodeError, SPINNER_END, create, participant, spin};
 use crate::command::Command;
 use crate::msg::convert::CommandMessage;
-use crate::msg::{BoundaryCommand, Dissociation, Report, WallTargets, topics};
+use crate::msg::{BoundaryCommand, Dissociation, Report, ShearCommand, WallTargets, topics};
 use crate::path::{Path, PathError};
 use crate::scene;
 
@@ -130,6 +130,7 @@ struct Commands {
     boundary: Out<BoundaryCommand>,
     targets: Out<WallTargets>,
     dissociations: Out<Dissociation>,
+    shears: Out<ShearCommand>,
 }
 
 impl Commands {
@@ -137,6 +138,7 @@ impl Commands {
         self.boundary.is_matched(node)
             && self.targets.is_matched(node)
             && self.dissociations.is_matched(node)
+            && self.shears.is_matched(node)
     }
 
     /// False when the command is lost.
@@ -145,6 +147,7 @@ impl Commands {
             CommandMessage::Boundary(message) => self.boundary.publish(message).await,
             CommandMessage::Targets(message) => self.targets.publish(message).await,
             CommandMessage::Dissociation(message) => self.dissociations.publish(message).await,
+            CommandMessage::Shear(message) => self.shears.publish(message).await,
         }
     }
 }
@@ -165,6 +168,7 @@ impl Link {
             boundary: Out::new(&mut node, twin, &topics::BOUNDARY_COMMAND)?,
             targets: Out::new(&mut node, twin, &topics::WALL_TARGETS)?,
             dissociations: Out::new(&mut node, twin, &topics::DISSOCIATION)?,
+            shears: Out::new(&mut node, twin, &topics::SHEAR_COMMAND)?,
         };
         let reports = subscribe(&mut node, twin, &topics::REPORT)?;
         Ok(Self { commands, reports, node, spinner, context })

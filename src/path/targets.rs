@@ -16,6 +16,18 @@ pub(super) fn in_parts(
     increments: u32,
     course: &mut Course,
 ) -> Result<(), PathError> {
+    for targets in parts(ends, increments, course) {
+        course.push(course.clock + INCREMENT_NANOSECONDS, targets)?;
+    }
+    Ok(())
+}
+
+/// The targets on the way to `ends` in equal parts.
+pub(super) fn parts(
+    ends: [WallTarget; wall::COUNT],
+    increments: u32,
+    course: &Course,
+) -> impl Iterator<Item = [WallTarget; wall::COUNT]> + use<> {
     let from = std::array::from_fn::<_, { wall::COUNT }, _>(|w| {
         let paired = course.cell.as_ref().is_none_or(Cell::is_paired);
         let together = paired && ends[w] == ends[w ^ 1];
@@ -29,10 +41,10 @@ pub(super) fn in_parts(
             _ => course.displacement[w],
         }
     });
-    for increment in 1..=increments {
+    (1..=increments).map(move |increment| {
         // From the step's start each time, so that rounding does not add up.
         let share = f64::from(increment) / f64::from(increments);
-        let targets = std::array::from_fn(|w| {
+        std::array::from_fn(|w| {
             let part = |end: f64| match increment == increments {
                 true => end,
                 false => from[w] + share * (end - from[w]),
@@ -43,8 +55,6 @@ pub(super) fn in_parts(
                 WallTarget::Stress(end) => WallTarget::Stress(part(end)),
                 other => other,
             }
-        });
-        course.push(course.clock + INCREMENT_NANOSECONDS, targets)?;
-    }
-    Ok(())
+        })
+    })
 }

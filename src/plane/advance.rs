@@ -1,8 +1,9 @@
 //! One load increment of discs: walls to a target, in sub-increments that the pack can follow.
 
 use super::boundary::{self, SIDES};
+use super::pressed::Pressed;
 use super::work::{Drive, Workspace};
-use super::{commit, contacts, crack, gauss_seidel, loads, newton};
+use super::{commit, contacts, crack, gauss_seidel, glue, loads, newton};
 use crate::contact::neighbours::Neighbours;
 use crate::model::Model;
 use crate::relax::Outcome;
@@ -13,7 +14,7 @@ use crate::relax::jump::{Jump, Pose};
 use crate::relax::servo::Drive as Load;
 use crate::scene::{Method, Update};
 use crate::state::{Ledger, State};
-use crate::wall::{self, Setpoint};
+use crate::wall::{self, Bounds, Setpoint};
 
 /// A command of exactly the largest strain may come out larger by rounding and is not halved.
 const ROUNDING: f64 = 1e-9;
@@ -42,6 +43,16 @@ pub fn settle(
     }
     work.drives.clear();
     let mut reached = Advance::at(solve(model, state, work, near));
+    if reached.outcome.status.is_equilibrium() && model.plane.as_ref().is_some_and(|s| s.glue) {
+        if reached.outcome.iterations > 0 {
+            commit::commit(model, state, work);
+        }
+        let iterations = reached.outcome.iterations;
+        glue::apply(model, state, &work.bodies);
+        work.begin(model, state, near, true);
+        reached.outcome = solve(model, state, work, near);
+        reached.outcome.iterations += iterations;
+    }
     if reached.outcome.status.is_equilibrium() {
         reached.changes = match reached.outcome.iterations {
             // What was an equilibrium stays what it was, to the bit.
@@ -60,30 +71,36 @@ pub fn settle(
     reached
 }
 
-/// Moves the walls of `state`, an equilibrium, to where `setpoint` has them and relaxes; as
-/// [`crate::relax::advance::advance`] does for spheres.
+/// Moves the walls of `state`, an equilibrium, to where `setpoint` has them, tilts the box to `tilt`
+/// and relaxes; as [`crate::relax::advance::advance`] does for spheres.
 pub fn advance(
     model: &Model,
     state: &mut State,
     work: &mut Workspace,
     near: &mut Neighbours,
     setpoint: &Setpoint,
+    tilt: f64,
     here: Outcome,
 ) -> Advance {
     let start = state.clone();
     let mut last = state.clone();
     let mut so_far = Advance::at(here);
     near.refresh(model, &state.position, &state.bounds(model));
-    let mut forces = contacts::normal_forces(model, state, near);
+    let mut pressed = Pressed::of(model, state, near);
     let goal = loads::of(model, setpoint);
-    let mut loads = loads::present(model, &goal, &forces, state);
+    let mut loads = loads::present(model, &goal, &carried(state, model, &pressed), state);
     loop {
         let target = standing_target(setpoint, state);
-        if state.displacement == target && loads == goal && so_far.substeps > 0 {
+        if state.displacement == target
+            && state.tilt == tilt
+            && loads == goal
+            && so_far.substeps > 0
+        {
             return so_far;
         }
         let limit = strain_limit(model, &so_far.outcome);
-        let way = loads::remaining_strain(model, state, &target) / limit;
+        let way =
+            loads::remaining_strain(model, state, &target).max((tilt - state.tilt).abs()) / limit;
         let load = remaining_load(model, &loads, &goal, &so_far.outcome) / limit.max(LOAD_STRAIN);
         let parts = (way.max(load) * (1.0 - ROUNDING)).ceil().max(1.0);
         let mut share = 1.0 / parts;
@@ -93,10 +110,10 @@ pub fn advance(
             work.jumps.clear();
             work.begin(model, state, near, false);
             let aim = part_of_the_way(&loads, &goal, share);
-            let ways = move_walls(model, state, work, &target, share);
+            let moved = move_walls(model, state, work, (&target, tilt), share);
             loads::press(model, state, work, &aim);
-            set_drives(work, &aim, state, model);
-            if !work.drives.is_empty() || ways != [0.0; SIDES] {
+            set_drives(work, &aim, state, model, pressed.drag);
+            if moved || !work.drives.is_empty() {
                 newton::predict(model, state, work, near);
             }
             let outcome = solve(model, state, work, near);
@@ -120,10 +137,11 @@ pub fn advance(
         so_far.count(changes);
         so_far.wall_force_error = newton::wall_force_error(model, state, work);
         near.refresh(model, &state.position, &state.bounds(model));
-        let next = contacts::normal_forces(model, state, near);
+        let next = Pressed::of(model, state, near);
         let worked = state.wall_work;
-        loads::add_work(state, &last, work, (&forces, &next));
-        forces = next;
+        state.wall_work += Pressed::work((&last, &pressed), (state, &next));
+        state.wall_work += loads::membrane_work(&last, work);
+        pressed = next;
         if let Some(jump) = work.jumps.last_mut() {
             // What is neither stored nor lost by slip was lost in the jump.
             let stored = so_far.outcome.sums.energy + ledger(state);
@@ -131,7 +149,7 @@ pub fn advance(
         }
         so_far.jumps.append(&mut work.jumps);
         let cracks = so_far.cracks.len();
-        if !break_bonds(model, state, work, near, &mut so_far, &mut forces) {
+        if !break_bonds(model, state, work, near, &mut so_far, &mut pressed) {
             state.copy_from(&start);
             so_far.jumps.clear();
             so_far.cracks.clear();
@@ -139,14 +157,40 @@ pub fn advance(
         }
         if so_far.cracks.len() > cracks && !goal.is_empty() {
             // The loads that the walls lost are asked for anew.
-            loads = loads::present(model, &goal, &forces, state);
+            loads = loads::present(model, &goal, &carried(state, model, &pressed), state);
         }
     }
 }
 
-/// Turns the loads of walls into drives of the sides, with the areas of `state`.
-fn set_drives(work: &mut Workspace, loads: &[Load], state: &State, model: &Model) {
+/// What the walls carry as loads have it \[N\]: the stress across each side of the box as it leans, times
+/// the area of the side when it does not.
+fn carried(state: &State, model: &Model, pressed: &Pressed) -> [f64; wall::COUNT] {
+    let mut carried = [0.0; wall::COUNT];
+    for (side, to) in carried.iter_mut().enumerate().take(SIDES) {
+        let mut shares = [0.0; SIDES];
+        shares[side] = 1.0;
+        let leaning = leaning(&shares, pressed.drag, state.tilt, &state.bounds(model));
+        let membrane = model.plane.as_ref().is_some_and(|setup| setup.cell.is_membrane(side));
+        *to = if membrane { pressed.normal[side] } else { pressed.sides[side] - leaning };
+    }
+    carried
+}
+
+/// What the walls of a drive with these `shares` do against the shear of the box as it moves and the box
+/// leans by `tilt` \[N\]. A y side that goes its way takes its shear force along; and as an x side moves, so
+/// does the part of the shear stress that a leaning side has from above and below.
+fn leaning(shares: &[f64; SIDES], drag: [f64; 2], tilt: f64, bounds: &Bounds) -> f64 {
+    let [x_min, x_max, y_min, y_max] = shares;
+    let [width, height, _] = bounds.sides();
+    let mean = 0.5 * (drag[0] + drag[1]);
+    tilt * (y_min * drag[0] + y_max * drag[1] - (x_min + x_max) * mean * height / width)
+}
+
+/// Turns the loads of walls into drives of the sides, with the areas of `state` and the shear forces
+/// `drag` of the y sides \[N\].
+fn set_drives(work: &mut Workspace, loads: &[Load], state: &State, model: &Model, drag: [f64; 2]) {
     work.drives.clear();
+    let bounds = state.bounds(model);
     let Some(setup) = &model.plane else { return };
     let driven = loads.iter().filter(|load| !setup.cell.is_membrane(loads::side(load)));
     work.drives.extend(driven.map(|load| {
@@ -154,19 +198,20 @@ fn set_drives(work: &mut Workspace, loads: &[Load], state: &State, model: &Model
         shares[2 * load.axis..2 * load.axis + 2].copy_from_slice(&load.shares);
         // Both walls of a pair carry the load each; together they move by the way of the drive.
         let area = model.wall_area(loads::side(load), &state.displacement);
-        Drive { shares, force: load.load.force(area), stress: load.stress() }
+        let force = load.load.force(area) + leaning(&shares, drag, state.tilt, &bounds);
+        Drive { shares, force, load: load.load }
     }));
 }
 
-/// Moves the standing walls by `share` of what is left to `target`, the grains affinely with them; the
-/// ways of the sides \[m\].
+/// Moves the standing walls, and tilts the box, by `share` of what is left to `target`, the grains
+/// affinely with them. Says whether anything moved.
 fn move_walls(
     model: &Model,
     state: &mut State,
     work: &mut Workspace,
-    target: &[f64; wall::COUNT],
+    (target, tilt): (&[f64; wall::COUNT], f64),
     share: f64,
-) -> [f64; SIDES] {
+) -> bool {
     let bounds = state.bounds(model);
     let mut ways = [0.0; SIDES];
     for (w, (now, target)) in state.displacement.iter_mut().zip(target).enumerate() {
@@ -176,10 +221,23 @@ fn move_walls(
         }
         *now = next;
     }
-    for at in &mut work.pose.at {
+    let next = if share >= 1.0 { tilt } else { state.tilt + share * (tilt - state.tilt) };
+    let more = next - state.tilt;
+    for (i, at) in work.pose.at.iter_mut().enumerate() {
+        if glue::side(&state.glued, i).is_some() {
+            continue;
+        }
         *at += boundary::carried(model, &bounds, state.tilt, &ways, *at);
+        *at += boundary::sheared(model, more, *at);
     }
-    ways
+    state.tilt = next;
+    let moved = ways != [0.0; SIDES] || more != 0.0;
+    if moved {
+        let before = work.bodies.clone();
+        boundary::bodies(model, &state.displacement, state.tilt, &mut work.bodies);
+        glue::place(&state.glued, &before, &work.bodies, &mut work.pose);
+    }
+    moved
 }
 
 /// Relaxes until loads, limits of friction and open contacts are what they shall be.
@@ -232,14 +290,15 @@ fn renew_limits(model: &Model, state: &State, work: &mut Workspace) -> bool {
     most > LIMITS_SETTLED * work.balance.sums.mean_force()
 }
 
-/// Forces of the loads that are stresses follow the areas; says whether any changed.
+/// Forces of the loads follow the areas and the shear of a leaning box; says whether any changed.
 fn renew_loads(model: &Model, state: &State, work: &mut Workspace) -> bool {
+    let bounds = state.bounds(model);
     let mut changed = false;
     for drive in &mut work.drives {
-        let Some(stress) = drive.stress else { continue };
         let side = drive.shares.iter().position(|share| *share != 0.0).unwrap_or(0);
-        let force = stress * model.wall_area(side, &state.displacement);
-        changed |= (force - drive.force).abs() > SETTLED * force;
+        let load = drive.load.force(model.wall_area(side, &state.displacement));
+        let force = load + leaning(&drive.shares, work.balance.drag, state.tilt, &bounds);
+        changed |= (force - drive.force).abs() > SETTLED * load;
         drive.force = force;
     }
     changed
@@ -290,7 +349,7 @@ fn break_bonds(
     work: &mut Workspace,
     near: &mut Neighbours,
     so_far: &mut Advance,
-    forces: &mut [f64; wall::COUNT],
+    pressed: &mut Pressed,
 ) -> bool {
     let cracks = so_far.cracks.len();
     while !state.bonds.is_empty() {
@@ -332,7 +391,7 @@ fn break_bonds(
         so_far.jumps.append(&mut work.jumps);
     }
     if so_far.cracks.len() > cracks {
-        *forces = contacts::normal_forces(model, state, near);
+        *pressed = Pressed::of(model, state, near);
         so_far.wall_force_error = newton::wall_force_error(model, state, work);
     }
     true

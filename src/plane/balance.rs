@@ -5,11 +5,12 @@ use super::law::{self, Answer};
 use super::matrix::{Block, FREEDOMS, Matrix};
 use super::membrane::Membrane;
 use super::reference::{Joint, Reference};
-use super::{Setup, Vec2, left_of};
+use super::{Setup, Vec2, glue, left_of};
 use crate::contact::Other;
 use crate::heap;
 use crate::model::Model;
 use crate::relax::balance::Sums;
+use crate::wall;
 
 /// Tangent of an angle below which its series is exact.
 const SMALL: f64 = 0.05;
@@ -88,6 +89,8 @@ pub struct Scenery<'a> {
     pub membranes: &'a [Membrane],
     /// Grains that take part.
     pub carries: &'a [bool],
+    /// The side that each grain sticks to ([`glue`]); empty where none does.
+    pub glued: &'a [Option<u8>],
     /// Whether every contact goes on as in the last increment: those that slid then slide, all others
     /// stick whatever their limit.
     pub goes_on: bool,
@@ -106,7 +109,7 @@ impl Scenery<'_> {
         if !pulls && square >= joint.reach * joint.reach && !(joint.held && !joint.opened) {
             return None;
         }
-        if !(self.carries[i] && self.carries[j]) {
+        if !(self.carries[i] && self.carries[j]) || glue::joins(self.glued, joint) {
             return None;
         }
         let distance = square.sqrt();
@@ -131,7 +134,7 @@ impl Scenery<'_> {
         let body = &self.bodies[b as usize];
         let near = body.near(pose.at[i], self.model.radius[i]);
         let shears = joint.held && !joint.opened;
-        if near.overlap <= 0.0 && !shears || !self.carries[i] {
+        if near.overlap <= 0.0 && !shears || !self.carries[i] || glue::joins(self.glued, joint) {
             return None;
         }
         let normal = law::normal(self.setup.law, joint.modulus, near.overlap, false);
@@ -140,7 +143,9 @@ impl Scenery<'_> {
             let rolled = joint.arm[0] * pose.turn[i];
             match body.shape {
                 Shape::Plane(normal) => {
-                    let station = (pose.at[i] - body.at).dot(&left_of(normal));
+                    // Seen from the wall, the grain turns back as the wall turns.
+                    let station = (pose.at[i] - body.at).dot(&left_of(normal))
+                        + joint.arm[0] * body.swing.turn;
                     act.slide(joint, station - joint.station - rolled, 1.0, self.goes_on);
                 }
                 Shape::Disc(_) | Shape::Ring(_) | Shape::Nothing => {
@@ -222,6 +227,11 @@ pub struct Balance {
     pub gradient: Vec<f64>,
     /// Its derivatives over the inward displacements of the sides \[N\]: what each side is pressed with.
     pub sides: [f64; SIDES],
+    /// Its derivative over the tilt of the box \[N m\].
+    pub tilt: f64,
+    /// x-component of the forces of the low and of the high y side on the grains \[N\], along its inward
+    /// normal turned to the right.
+    pub drag: [f64; 2],
     /// Totals of the normal forces.
     pub sums: Sums,
     /// Potential of shear since the reference \[J\].
@@ -247,6 +257,7 @@ impl Balance {
         self.support.clear();
         self.support.resize(pose.at.len(), 0);
         self.sides = [0.0; SIDES];
+        (self.tilt, self.drag) = (0.0, [0.0; 2]);
         self.sums = Sums::NONE;
         self.shear_potential = 0.0;
         self.pressure_potential = 0.0;
@@ -266,7 +277,9 @@ impl Balance {
             let Other::Wall(b) = joint.second else { continue };
             let body = &bodies[b as usize];
             self.add(model, joint.first, -act.force(), -joint.arm[0] * act.shear.force);
-            self.sides[body.side as usize] += Self::pressed(&act, body);
+            self.press(body, Self::pressed(&act, body), act.force());
+            let station = (pose.at[joint.first as usize] - body.at).dot(&left_of(act.along));
+            self.tilt += Self::tilted(&act, body, station, joint.arm[0]);
             self.support[joint.first as usize] += self.holds(joint, &act);
             self.count(&act);
         }
@@ -284,6 +297,7 @@ impl Balance {
                 self.add(model, i as u32, -weight, 0.0);
             }
         }
+        glue::take_over(scenery, pose, self);
         if !setup.turns {
             self.gradient.iter_mut().skip(2).step_by(FREEDOMS).for_each(|turn| *turn = 0.0);
         }
@@ -296,6 +310,24 @@ impl Balance {
     /// What `act` presses the side of `body` with, along its inward displacement \[N\].
     pub(super) fn pressed(act: &Act, body: &Body) -> f64 {
         act.normal.force * body.growth + act.force().dot(&body.slide)
+    }
+
+    /// Counts what `body` is pressed with along the way of its side, and its force on a grain.
+    pub(super) fn press(&mut self, body: &Body, pressed: f64, force: Vec2) {
+        let side = usize::from(body.side);
+        self.sides[side] += pressed;
+        if wall::axis(side) == 1 {
+            self.drag[side % 2] += wall::inward(side) * force.x;
+        }
+    }
+
+    /// Derivative of the potential of `act` over the tilt \[N m\]; the grain is at `station` along the
+    /// wall, with the lever `arm` \[m\].
+    fn tilted(act: &Act, body: &Body, station: f64, arm: f64) -> f64 {
+        // As n turns left, -n·x changes by -(left of n)·x, and (left of n)·x by -n·x.
+        let turned =
+            -act.normal.force * station + act.shear.force * act.pitch * (arm - act.distance);
+        act.force().dot(&body.swing.way) + turned * body.swing.rate
     }
 
     #[inline]

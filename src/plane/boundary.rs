@@ -23,6 +23,19 @@ pub struct Body {
     pub growth: f64,
     /// Curvature of its surface at the start \[1/m\], negative where the pack is inside.
     pub curvature: f64,
+    /// How it follows the tilt of the box.
+    pub swing: Swing,
+}
+
+/// How a body follows the tilt γ of the box.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Swing {
+    /// Way of `at` over γ \[m\].
+    pub way: Vec2,
+    /// How far it is turned at γ, to the left \[rad\].
+    pub turn: f64,
+    /// Derivative of that over γ.
+    pub rate: f64,
 }
 
 /// Shape of a body.
@@ -56,7 +69,15 @@ impl Body {
     pub(super) fn nothing(side: usize) -> Self {
         let (at, slide) = (Vec2::zeros(), Vec2::zeros());
         let shape = Shape::Nothing;
-        Self { side: side as u8, at, shape, slide, growth: 0.0, curvature: 0.0 }
+        Self {
+            side: side as u8,
+            at,
+            shape,
+            slide,
+            growth: 0.0,
+            curvature: 0.0,
+            swing: Swing::default(),
+        }
     }
 
     /// Effective radius \[m\] of its contact with a grain of radius `radius` \[m\], 1/(1/R + curvature).
@@ -120,15 +141,22 @@ pub fn bodies(model: &Model, displacement: &[f64; wall::COUNT], tilt: f64, bodie
             let inward = wall::inward(side);
             let position = bounds.position(side);
             let slide = slide(side, tilt);
-            let (at, normal) = match wall::axis(side) {
-                0 => (Vec2::new(position, start.y), lean * inward),
+            let (at, normal, swing) = match wall::axis(side) {
+                0 => {
+                    let at = Vec2::new(position, start.y);
+                    let rate = -1.0 / (1.0 + tilt * tilt);
+                    let swing = Swing { way: Vec2::zeros(), turn: -tilt.atan(), rate };
+                    (at, lean * inward, swing)
+                }
                 _ => {
-                    let at = Vec2::new(start.x + tilt * (position - start.y), position);
-                    (at, Vec2::new(0.0, inward))
+                    let above = position - start.y;
+                    let at = Vec2::new(start.x + tilt * above, position);
+                    let swing = Swing { way: Vec2::new(above, 0.0), ..Swing::default() };
+                    (at, Vec2::new(0.0, inward), swing)
                 }
             };
             let shape = Shape::Plane(normal);
-            Body { side: side as u8, at, shape, slide, growth: 0.0, curvature: 0.0 }
+            Body { side: side as u8, at, shape, slide, growth: 0.0, curvature: 0.0, swing }
         }));
     });
 }
@@ -142,14 +170,23 @@ fn slide(side: usize, tilt: f64) -> Vec2 {
     }
 }
 
-/// What `contact` presses side `side` with, against its inward displacement \[N\].
+/// Where a grain at `at` goes when the tilt grows by `more`.
 #[must_use]
-pub fn pressed(model: &Model, contact: &Contact, side: usize, tilt: f64) -> f64 {
-    if model.plane.as_ref().is_none_or(|setup| setup.cell.inner.is_some()) {
-        return contact.force;
+pub fn sheared(model: &Model, more: f64, at: Vec2) -> Vec2 {
+    Vec2::new(more * (at.y - middle(&model.start).y), 0.0)
+}
+
+/// What `contact` presses side `side` with \[N\]: its normal force on a wall, and what there is along the
+/// way of the side where the side has points.
+#[must_use]
+pub fn pressed(model: &Model, contact: &Contact, side: usize) -> f64 {
+    match model.plane.as_ref().is_some_and(|setup| setup.cell.has_points(side)) {
+        false => contact.force,
+        true => {
+            let on_grain = contact.normal * contact.force + contact.shear;
+            Vec2::new(on_grain.x, on_grain.y).dot(&slide(side, 0.0))
+        }
     }
-    let on_grain = contact.normal * contact.force + contact.shear;
-    Vec2::new(on_grain.x, on_grain.y).dot(&slide(side, tilt))
 }
 
 /// Middle of a box \[m\].

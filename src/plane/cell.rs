@@ -1,7 +1,7 @@
 //! What the sides of a pack of discs enclose: a box, or the room between two circles.
 
 use super::Vec2;
-use super::boundary::{Body, SIDES, Shape};
+use super::boundary::{Body, SIDES, Shape, Swing};
 use crate::report::WallForces;
 use crate::scene::{self, Walls};
 use crate::wall::{self, Bounds};
@@ -97,6 +97,12 @@ impl Cell {
     #[must_use]
     pub fn is_membrane(&self, w: usize) -> bool {
         matches!(self.sides.get(w), Some(Side::Membrane(_)))
+    }
+
+    /// Whether side `w` has points instead of a wall.
+    #[must_use]
+    pub fn has_points(&self, w: usize) -> bool {
+        matches!(self.sides.get(w), Some(Side::Points(..)))
     }
 
     /// Whether all sides are planes, so that the box can lean.
@@ -281,7 +287,7 @@ impl Cell {
             _ => (Vec2::new(along, position), Vec2::new(0.0, inward)),
         };
         let (shape, curvature) = (Shape::Disc(radius), 1.0 / radius);
-        Body { side: side as u8, at, shape, slide, growth: 0.0, curvature }
+        Body { side: side as u8, at, shape, slide, growth: 0.0, curvature, swing: Swing::default() }
     }
 }
 
@@ -291,5 +297,13 @@ fn circle(side: usize, at: Vec2, radii: [f64; 2], start: [f64; 2]) -> Body {
         0 => (Shape::Disc(radii[0]), 1.0 / start[0]),
         _ => (Shape::Ring(radii[1]), -1.0 / start[1]),
     };
-    Body { side: side as u8, at, shape, slide: Vec2::zeros(), growth: 1.0, curvature }
+    Body {
+        side: side as u8,
+        at,
+        shape,
+        slide: Vec2::zeros(),
+        growth: 1.0,
+        curvature,
+        swing: Swing::default(),
+    }
 }

@@ -24,7 +24,16 @@ pub(super) fn commit(model: &Model, state: &mut State, work: &mut Workspace) -> 
     let mut had = 0.0;
     {
         let (carries, goes_on) = (&state.carries, false);
-        let scenery = Scenery { model, setup, reference, bodies, membranes, carries, goes_on };
+        let scenery = Scenery {
+            model,
+            setup,
+            reference,
+            bodies,
+            membranes,
+            carries,
+            glued: &state.glued,
+            goes_on,
+        };
         let pairs = reference.pairs.iter().map(|joint| (joint, scenery.pair(joint, pose)));
         let edges = reference.edges.iter().map(|joint| (joint, scenery.edge(joint, pose)));
         for (joint, act) in pairs.chain(edges) {

@@ -1,7 +1,7 @@
 //! The load-carrying contacts of a state of discs, as measures take them.
 
 use super::boundary::{self, Body};
-use super::{Vec2, law};
+use super::{Vec2, glue, law};
 use crate::Vec3;
 use crate::contact::neighbours::Neighbours;
 use crate::contact::{Other, hertz};
@@ -13,21 +13,38 @@ use crate::wall;
 /// Lists the contacts of `state`; the neighbour list must hold them.
 #[must_use]
 pub fn of(model: &Model, state: &State, near: &Neighbours) -> Contacts {
+    let (mut contacts, bodies) = with_bodies(model, state, near);
+    for contact in &mut contacts.list {
+        contact.second = side_of(contact.second, &bodies);
+    }
+    contacts
+}
+
+/// The same where a wall is the number of a body, with the bodies.
+pub(super) fn with_bodies(
+    model: &Model,
+    state: &State,
+    near: &Neighbours,
+) -> (Contacts, Vec<Body>) {
     let mut list = Vec::with_capacity(near.second.len());
     let mut cracks = Vec::new();
-    let Some(setup) = &model.plane else { return Contacts::default() };
     let mut bodies = Vec::new();
+    let Some(setup) = &model.plane else { return (Contacts::default(), bodies) };
     boundary::bodies(model, &state.displacement, state.tilt, &mut bodies);
     let mut memory = state.memory.contacts.iter().peekable();
     let mut bonds = state.bonds.iter().peekable();
     for i in (0..model.len()).filter(|&i| state.carries[i]) {
         let at = state.position[i];
+        let sticks = glue::side(&state.glued, i);
         for k in near.row(i) {
             let j = near.second[k] as usize;
             let key = (i as u32, Other::Grain(j as u32));
             while bonds.next_if(|bond| bond.key() < key).is_some() {}
             let condition = bonds.next_if(|bond| bond.key() == key).map(|bond| bond.condition);
             let holds = condition == Some(Condition::Intact);
+            if sticks.is_some() && glue::side(&state.glued, j).is_some() {
+                continue;
+            }
             let branch = at - state.position[j];
             let distance = branch.norm();
             let overlap = model.radius[i] + model.radius[j] - distance;
@@ -45,7 +62,11 @@ pub fn of(model: &Model, state: &State, near: &Neighbours) -> Contacts {
         for (b, body) in bodies.iter().enumerate() {
             let key = (i as u32, Other::Wall(b as u8));
             let touch = body.near(Vec2::new(at.x, at.y), model.radius[i]);
-            if touch.overlap <= 0.0 {
+            let touches = match sticks {
+                None => touch.overlap > 0.0,
+                Some(side) => side == body.side,
+            };
+            if !touches {
                 continue;
             }
             let compliance = model.compliance[i] + model.wall_compliance;
@@ -70,13 +91,11 @@ pub fn of(model: &Model, state: &State, near: &Neighbours) -> Contacts {
                 contact.shear.norm() >= (1.0 - AT_LIMIT) * limit
             });
     }
-    for contact in &mut list {
-        contact.second = side_of(contact.second, &bodies);
-    }
+    glue::hold(model, state, &mut list);
     let mean = |sum: f64| sum / list.len().max(1) as f64;
     let mean_force = mean(list.iter().map(|c| c.force.abs()).sum());
     let mean_shear = mean(list.iter().map(|c| c.shear.norm()).sum());
-    Contacts { list, cracks, mean_force, mean_shear }
+    (Contacts { list, cracks, mean_force, mean_shear }, bodies)
 }
 
 /// The side whose body it is.
@@ -114,18 +133,5 @@ fn bare(
 /// Force on each side against its inward displacement \[N\], its normal force; the z walls of a pack of discs carry none.
 #[must_use]
 pub fn normal_forces(model: &Model, state: &State, near: &Neighbours) -> [f64; wall::COUNT] {
-    let mut forces = [0.0; wall::COUNT];
-    for contact in &of(model, state, near).list {
-        if let Other::Wall(side) = contact.second {
-            let side = usize::from(side);
-            forces[side] += boundary::pressed(model, contact, side, state.tilt);
-        }
-    }
-    let Some(setup) = &model.plane else { return forces };
-    for (side, pressure) in state.pressure.into_iter().enumerate() {
-        if setup.cell.is_membrane(side) {
-            forces[side] = pressure * setup.cell.area(side, &state.displacement);
-        }
-    }
-    forces
+    super::pressed::Pressed::of(model, state, near).normal
 }

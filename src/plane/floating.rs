@@ -1,10 +1,10 @@
 //! Grains that cannot carry load: they are kept where they are and left out of the balance, until what
 //! moves around them leaves them no room.
 
-use super::Vec2;
 use super::balance::Pose;
 use super::reference::Joint;
 use super::work::Workspace;
+use super::{Vec2, glue};
 use crate::contact::Other;
 use crate::model::Model;
 use crate::state::State;
@@ -53,7 +53,8 @@ pub(super) fn drop_loose(model: &Model, state: &mut State, work: &mut Workspace)
         let Workspace { balance, floating, .. } = work;
         let mut more = false;
         for (i, carries) in state.carries.iter_mut().enumerate() {
-            if *carries && !floating.back[i] && balance.support[i] < SUPPORTS {
+            let free = !floating.back[i] && glue::side(&state.glued, i).is_none();
+            if *carries && free && balance.support[i] < SUPPORTS {
                 *carries = false;
                 more = true;
             }

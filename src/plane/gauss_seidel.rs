@@ -123,6 +123,7 @@ fn sweep(model: &Model, state: &State, work: &mut Workspace, adjacency: &Adjacen
                 bodies,
                 membranes,
                 carries: &state.carries,
+                glued: &state.glued,
                 goes_on: false,
             };
             for &k in adjacency.row(i) {
@@ -179,7 +180,16 @@ fn yield_to_loads(model: &Model, state: &mut State, work: &mut Workspace) {
     let Some(setup) = &model.plane else { return };
     let Workspace { reference, bodies, membranes, pose, balance, drives, .. } = work;
     let (carries, goes_on) = (&state.carries, false);
-    let scenery = Scenery { model, setup, reference, bodies, membranes, carries, goes_on };
+    let scenery = Scenery {
+        model,
+        setup,
+        reference,
+        bodies,
+        membranes,
+        carries,
+        glued: &state.glued,
+        goes_on,
+    };
     let mut pressed = [0.0; SIDES];
     let mut stiffness = [0.0; SIDES];
     for joint in &reference.edges {

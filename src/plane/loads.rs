@@ -3,7 +3,6 @@
 use super::cell::Side;
 use super::work::Workspace;
 use crate::model::Model;
-use crate::relax::advance;
 use crate::relax::servo::Drive as Load;
 use crate::state::State;
 use crate::wall::{self, Control, Setpoint};
@@ -81,19 +80,7 @@ pub(super) fn press(model: &Model, state: &mut State, work: &mut Workspace, load
     }
 }
 
-/// Adds the work of the sides on the way of `state` from `last`, on which their forces went from the
-/// first to the second of `forces` \[N\]; that of membranes is the work of their pressure on the grains.
-pub(super) fn add_work(
-    state: &mut State,
-    last: &State,
-    work: &Workspace,
-    forces: (&[f64; wall::COUNT], &[f64; wall::COUNT]),
-) {
-    let (mut before, mut after) = (*forces.0, *forces.1);
-    for membrane in &work.membranes {
-        (before[membrane.side], after[membrane.side]) = (0.0, 0.0);
-    }
-    advance::add_work(state, &last.displacement, &before, &after);
-    let works = work.membranes.iter().map(|m| m.work(&work.pose.at, last.pressure[m.side]));
-    state.wall_work += works.sum::<f64>();
+/// Work of the membranes' pressure on the grains since `last` \[J\].
+pub(super) fn membrane_work(last: &State, work: &Workspace) -> f64 {
+    work.membranes.iter().map(|m| m.work(&work.pose.at, last.pressure[m.side])).sum()
 }

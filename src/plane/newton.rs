@@ -21,7 +21,7 @@ use super::matrix::FREEDOMS;
 use super::membrane::Membrane;
 use super::reference::Joint;
 use super::work::{Drive, Workspace};
-use super::{DRIVES, Vec2, floating};
+use super::{DRIVES, Vec2, floating, glue};
 use crate::contact::Other;
 use crate::contact::neighbours::Neighbours;
 use crate::heap;
@@ -237,7 +237,7 @@ fn step(
     work.search.convex = false;
     if work.search.waits == 0 || residual < NEAR {
         assemble(model, state, work, near, false);
-        if work.slope.matrix.factorise(least) && solve(work, least) {
+        if work.slope.matrix.factorise(least) && solve(state, work, least) {
             work.search.shift = 0.0;
             return true;
         }
@@ -252,7 +252,7 @@ fn step(
     assemble(model, state, work, near, false);
     work.search.convex = true;
     while shift <= MOST_SHIFT * unit {
-        if work.slope.matrix.factorise(shift) && solve(work, shift) {
+        if work.slope.matrix.factorise(shift) && solve(state, work, shift) {
             work.search.shift = if work.membranes.is_empty() { 0.0 } else { shift };
             return true;
         }
@@ -274,7 +274,16 @@ pub(super) fn assemble(
     let carries = &state.carries;
     let convex = search.convex;
     slope.assemble(
-        &Scenery { model, setup, reference, bodies, membranes, carries, goes_on },
+        &Scenery {
+            model,
+            setup,
+            reference,
+            bodies,
+            membranes,
+            carries,
+            glued: &state.glued,
+            goes_on,
+        },
         pose,
         convex,
     );
@@ -285,8 +294,11 @@ pub(super) fn assemble(
     for (k, drive) in work.drives.iter().enumerate() {
         let carried = &mut work.search.carried[k];
         carried.clear();
-        for at in &work.pose.at {
-            let way = boundary::carried(model, &bounds, state.tilt, &drive.shares, *at);
+        for (i, at) in work.pose.at.iter().enumerate() {
+            let way = match glue::side(&state.glued, i).map(usize::from) {
+                Some(side) => work.bodies[side].slide * drive.shares[side],
+                None => boundary::carried(model, &bounds, state.tilt, &drive.shares, *at),
+            };
             carried.extend([way.x, way.y, 0.0]);
         }
         let column = &mut work.search.column[k];
@@ -302,24 +314,28 @@ pub(super) fn assemble(
             own.fill(0.0);
         }
     }
+    glue::stiffen(&state.glued, &mut work.slope);
 }
 
 /// Solves with the factors at hand for the balance at the pose. Says whether the walls under loads are
 /// held by the pack.
-pub(super) fn solve(work: &mut Workspace, shift: f64) -> bool {
+pub(super) fn solve(state: &State, work: &mut Workspace, shift: f64) -> bool {
     let count = work.drives.len();
     let unbalance = work.unbalance(&work.balance);
     let Workspace { slope, search, balance, drives, .. } = work;
     search.newton.clear();
     search.newton.extend_from_slice(&balance.gradient);
     slope.matrix.solve(&mut search.newton);
+    glue::clear(&state.glued, &mut search.newton);
     let mut stiff = SMatrix::<f64, DRIVES, DRIVES>::identity();
     let mut load = SVector::<f64, DRIVES>::zeros();
     for k in 0..count {
         let response = &mut search.response[k];
         response.clear();
         response.extend_from_slice(&search.column[k]);
+        glue::clear(&state.glued, response);
         slope.matrix.solve(response);
+        glue::clear(&state.glued, response);
     }
     for k in 0..count {
         let (x, c) = (&search.carried[k], &search.column[k]);
@@ -424,7 +440,16 @@ fn try_share(model: &Model, state: &State, work: &mut Workspace, share: f64) {
     boundary::bodies(model, &work.trial_displacement, state.tilt, &mut work.bodies);
     let Workspace { reference, bodies, membranes, trial, trial_balance, .. } = work;
     let (carries, goes_on) = (&state.carries, false);
-    let scenery = Scenery { model, setup, reference, bodies, membranes, carries, goes_on };
+    let scenery = Scenery {
+        model,
+        setup,
+        reference,
+        bodies,
+        membranes,
+        carries,
+        glued: &state.glued,
+        goes_on,
+    };
     trial_balance.evaluate(&scenery, trial);
 }
 
@@ -453,12 +478,23 @@ pub(super) fn predict(model: &Model, state: &mut State, work: &mut Workspace, ne
     boundary::bodies(model, &state.displacement, state.tilt, &mut work.bodies);
     let Workspace { reference, bodies, membranes, balance, pose, .. } = work;
     let (carries, goes_on) = (&state.carries, true);
-    balance
-        .evaluate(&Scenery { model, setup, reference, bodies, membranes, carries, goes_on }, pose);
+    balance.evaluate(
+        &Scenery {
+            model,
+            setup,
+            reference,
+            bodies,
+            membranes,
+            carries,
+            glued: &state.glued,
+            goes_on,
+        },
+        pose,
+    );
     work.search.convex = false;
     assemble(model, state, work, near, true);
     let shift = LEAST_SHIFT * stiffness(work);
-    if !work.slope.matrix.factorise(shift) || !solve(work, shift) {
+    if !work.slope.matrix.factorise(shift) || !solve(state, work, shift) {
         return;
     }
     let factor = longest_share(model, state, work);
@@ -485,6 +521,8 @@ pub(super) fn wall_force_error(model: &Model, state: &State, work: &mut Workspac
     search.newton.clear();
     search.newton.extend_from_slice(&balance.gradient);
     slope.matrix.solve(&mut search.newton);
+    glue::clear(&state.glued, &mut search.newton);
+    glue::add_columns(state, &work.bodies, &work.reference, slope);
     let change = |column: &Vec<f64>| dot(column, &search.newton).abs();
     rounding + slope.columns.iter().map(change).fold(0.0, f64::max)
 }

@@ -3,7 +3,7 @@
 use super::boundary::{Body, Shape};
 use super::law::Shear;
 use super::setup::Law;
-use super::{Vec2, left_of};
+use super::{Vec2, glue, left_of};
 use crate::contact::neighbours::Neighbours;
 use crate::contact::{Other, hertz};
 use crate::model::Model;
@@ -109,7 +109,8 @@ impl Reference {
                 let lever = model.radius[i] - near.overlap;
                 joint.arm = [near.sign * lever, 0.0];
                 if let Shape::Plane(normal) = body.shape {
-                    joint.station = (at(i) - body.at).dot(&left_of(normal));
+                    joint.station =
+                        (at(i) - body.at).dot(&left_of(normal)) + joint.arm[0] * body.swing.turn;
                     joint.span = lever;
                 }
                 self.edges.push(maker.hold(joint));
@@ -210,6 +211,7 @@ impl Maker<'_> {
                 Other::Grain(j) => carries(j),
                 Other::Wall(_) => true,
             };
+        let live = live && !glue::joins(&state.glued, &joint);
         if model.friction.is_none() || joint.overlap <= 0.0 || !live {
             return joint;
         }

@@ -19,6 +19,8 @@ pub struct Setup {
     pub turns: bool,
     /// What bonds of cohesive grains bear; `None` where grains do not stick together.
     pub strength: Option<Strength>,
+    /// Whether grains that touch a wall at the start stick to it.
+    pub glue: bool,
 }
 
 /// Stiffness of the contacts.
@@ -73,6 +75,7 @@ impl Setup {
                 tension,
                 along_x,
             }),
+            glue: scene.walls.glue,
         }
     }
 }

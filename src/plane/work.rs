@@ -16,7 +16,7 @@ use crate::model::Model;
 use crate::relax::Effort;
 use crate::relax::jump::Jump;
 use crate::state::State;
-use crate::wall;
+use crate::wall::{self, Load};
 
 /// Gap over the sum of the radii up to which pairs are taken into the pattern of the matrix.
 const NEARLY: f64 = 0.01;
@@ -28,8 +28,8 @@ pub struct Drive {
     pub shares: [f64; SIDES],
     /// Force along it \[N\].
     pub force: f64,
-    /// The stress that it goes with, if the load is one \[Pa\].
-    pub stress: Option<f64>,
+    /// The load that makes that force, with the areas and the tilt of the box.
+    pub load: Load,
 }
 
 /// Scratch that may be thrown away at any time.
@@ -182,8 +182,9 @@ impl Workspace {
         let Some(setup) = &model.plane else { return };
         boundary::bodies(model, &state.displacement, state.tilt, &mut self.bodies);
         let Self { reference, bodies, membranes, balance, pose, .. } = self;
-        let (carries, goes_on) = (&state.carries, false);
-        let scenery = Scenery { model, setup, reference, bodies, membranes, carries, goes_on };
+        let (carries, glued, goes_on) = (&state.carries, &state.glued, false);
+        let scenery =
+            Scenery { model, setup, reference, bodies, membranes, carries, glued, goes_on };
         balance.evaluate(&scenery, pose);
     }
 

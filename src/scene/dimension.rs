@@ -3,8 +3,7 @@
 mod path;
 
 use super::check::{Field, Problems};
-use super::prepare::Step;
-use super::{Axis, Friction, Law, Normal, Rotation, Scene, When};
+use super::{Axis, Friction, Law, Method, Normal, Rotation, Scene, Step, When, prepare};
 
 pub(super) fn check(scene: &Scene, problems: &mut Problems) {
     let at = Field::root();
@@ -19,11 +18,25 @@ pub(super) fn check(scene: &Scene, problems: &mut Problems) {
             let text = "only discs can be locked; allowed: free, or `dimension: 2`";
             not(at.key("contact").key("rotation"), text);
         }
+        if tilts(&scene.load_path.0) {
+            let text = "only a box of discs leans; allowed: steps without shear, or `dimension: 2`";
+            not(at.key("load_path"), text);
+        }
+        if scene.walls.glue {
+            not(
+                at.key("walls").key("glue"),
+                "only discs are glued; allowed: false, or `dimension: 2`",
+            );
+        }
         if scene.pack.generate.as_ref().is_some_and(|spec| spec.compaction_friction != 0.0) {
             let text = "spheres are compacted without friction; allowed: 0, or `dimension: 2`";
             not(at.key("pack").key("generate").key("compaction_friction"), text);
         }
         return;
+    }
+    if scene.walls.glue && scene.solver.method == Method::GaussSeidel {
+        let text = "gauss_seidel moves grains one by one; allowed with walls.glue: newton";
+        not(at.key("solver").key("method"), text);
     }
     if matches!(scene.contact.normal, Normal::Cement(_)) {
         not(at.key("contact").key("normal"), "cement is for spheres; allowed: hertz, linear");
@@ -53,7 +66,7 @@ pub(super) fn check(scene: &Scene, problems: &mut Problems) {
         not(at.key("pack").key("generate").key("expand_floaters"), text);
     }
     for (index, step) in scene.pack.prepare.iter().enumerate() {
-        if matches!(step, Step::Uniaxial(step) if step.axis == Axis::Z) {
+        if matches!(step, prepare::Step::Uniaxial(step) if step.axis == Axis::Z) {
             let step = at.key("pack").key("prepare").index(index);
             not(step.key("uniaxial").key("axis"), "there is no z in the plane; allowed: x, y");
         }
@@ -68,4 +81,12 @@ pub(super) fn check(scene: &Scene, problems: &mut Problems) {
     }
     path::check(&scene.load_path.0, &at.key("load_path"), problems);
     path::targets(&scene.walls.targets, &at.key("walls").key("targets"), problems);
+}
+
+fn tilts(steps: &[Step]) -> bool {
+    steps.iter().any(|step| match step {
+        Step::Shear(_) => true,
+        Step::Repeat(repeat) => tilts(&repeat.steps),
+        _ => false,
+    })
 }

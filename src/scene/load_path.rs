@@ -8,7 +8,7 @@ use serde::de::{Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::check::{Field, Problems};
-use super::{Dissociate, RigLog, Targets};
+use super::{Dissociate, RigLog, ShearStep, Targets};
 
 /// Most commands that a load path may have, files included.
 pub const MAX_COMMANDS: u64 = 1_000_000;
@@ -48,6 +48,7 @@ fn commands(steps: &[Step]) -> u64 {
         Step::Unload(step) => u64::from(step.increments),
         Step::Walls(step) => u64::from(step.increments),
         Step::Dissociate(step) => u64::from(step.increments),
+        Step::Shear(step) => u64::from(step.increments),
         Step::Repeat(step) => u64::from(step.times).saturating_mul(commands(&step.steps)),
         Step::Commands(_) | Step::RigLog(_) => 0,
     };
@@ -104,6 +105,8 @@ pub enum Step {
     Walls(WallsStep),
     /// Hydrate dissociates and the pore pressure changes.
     Dissociate(Dissociate),
+    /// A box of discs is tilted.
+    Shear(ShearStep),
     /// Steps several times over.
     Repeat(Repeat),
     /// A command CSV, relative to the scene file.
@@ -159,6 +162,11 @@ impl Step {
             }
             Self::Dissociate(step) => {
                 let at = at.key("dissociate");
+                step.check(&at, problems);
+                check_increments(&at, step.increments, problems);
+            }
+            Self::Shear(step) => {
+                let at = at.key("shear");
                 step.check(&at, problems);
                 check_increments(&at, step.increments, problems);
             }

@@ -60,6 +60,15 @@ impl PointSides {
         [&self.x_min, &self.x_max, &self.y_min, &self.y_max].map(Option::as_ref)
     }
 
+    /// Multiplies all lengths by `factor`.
+    pub(crate) fn scale(&mut self, factor: f64) {
+        let sides = [&mut self.x_min, &mut self.x_max, &mut self.y_min, &mut self.y_max];
+        for points in sides.into_iter().flatten() {
+            points.radius *= factor;
+            points.at.iter_mut().for_each(|at| *at *= factor);
+        }
+    }
+
     /// Whether there are none.
     #[must_use]
     pub fn is_empty(&self) -> bool {

@@ -17,6 +17,9 @@ pub struct Walls {
     /// `contact.friction`. Without friction in `contact` the walls are smooth too.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<f64>,
+    /// Whether discs that touch a wall when the run begins stick to it: they move and turn with it.
+    #[serde(skip_serializing_if = "is_false")]
+    pub glue: bool,
     /// What the walls do from the initial equilibrium on; those that are not named stand where the
     /// pack has them.
     #[serde(skip_serializing_if = "Targets::is_empty")]
@@ -45,6 +48,7 @@ impl Default for Walls {
             young: 7.0e12,
             poisson: 0.495,
             friction: None,
+            glue: false,
             targets: Targets::default(),
             cell: Cell::Box,
             points: PointSides::default(),
@@ -52,6 +56,11 @@ impl Default for Walls {
             membranes: Vec::new(),
         }
     }
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands out references")]
+fn is_false(flag: &bool) -> bool {
+    !flag
 }
 
 impl Walls {

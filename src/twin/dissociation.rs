@@ -36,7 +36,7 @@ impl Twin {
             Err(text) => return self.refused(command, Disposition::NotConverged, text),
         };
         // Half of a dissociation is another one: it is not cut down to a limit.
-        let order = match self.gate.limit(command, expanded, text) {
+        let order = match self.gate.limit(command, (expanded, 0.0), text) {
             Ok(order) if !order.clamped => order,
             Ok(Order { text, .. }) | Err(text) => {
                 return self.refused(command, Disposition::Limit, text);

@@ -35,14 +35,15 @@ impl Twin {
     /// Takes the walls where `order` says, or with `clamp` as far as the limits allow. When they
     /// do not go, the state is what it was.
     pub(super) fn go(&mut self, order: &Order, clamp: bool) -> Gone {
-        let (setpoint, clamped) = (order.setpoint, false);
+        let (setpoint, tilt, clamped) = (order.setpoint, order.tilt, false);
         self.past.iter_mut().for_each(|past| past.leave(&self.state));
         if !self.gate.watches(&setpoint) {
-            return Gone { reached: self.advance(&setpoint), setpoint, beyond: None, clamped };
+            let reached = self.advance(&setpoint, tilt);
+            return Gone { reached, setpoint, beyond: None, clamped };
         }
         let start = self.state.clone();
         let before = self.stand();
-        let reached = self.advance(&setpoint);
+        let reached = self.advance(&setpoint, tilt);
         let beyond = match reached.outcome.status.is_equilibrium() {
             true => self.beyond_limits(&setpoint, &before),
             false => None,
@@ -59,7 +60,7 @@ impl Twin {
         for _ in 0..HALVINGS {
             let share = 0.5 * (within + too_far);
             let part = self.gate.part(&setpoint, &before, share);
-            let reached = self.advance(&part);
+            let reached = self.advance(&part, self.gate.tilted_by(tilt, share));
             let allowed = reached.outcome.status.is_equilibrium()
                 && self.beyond_limits(&part, &before).is_none();
             match allowed {
@@ -78,7 +79,7 @@ impl Twin {
             }
             None => {
                 let now = *self.gate.now();
-                (now, self.advance(&now))
+                (now, self.advance(&now, self.gate.tilt()))
             }
         };
         Gone { reached, setpoint, beyond, clamped: true }
@@ -90,15 +91,15 @@ impl Twin {
         self.gate.beyond_limits(setpoint, before, &now)
     }
 
-    /// Moves the walls as `setpoint` has them.
-    pub(super) fn advance(&mut self, setpoint: &Setpoint) -> Advance {
+    /// Moves the walls as `setpoint` has them; a box of discs then leans by `tilt`.
+    pub(super) fn advance(&mut self, setpoint: &Setpoint, tilt: f64) -> Advance {
         let here = self.outcome;
         let Self { model, state, work, pool, .. } = self;
         pool.install(|| match &model.plane {
             None => advance(model, state, work, setpoint, here),
             Some(_) => {
                 let Workspace { plane, neighbours, .. } = work;
-                plane::advance::advance(model, state, plane, neighbours, setpoint, here)
+                plane::advance::advance(model, state, plane, neighbours, setpoint, tilt, here)
             }
         })
     }

@@ -8,8 +8,8 @@ use crate::command::Stamp;
 use crate::measure::contacts::Contacts;
 use crate::measure::coordination::{self, Histograms};
 use crate::measure::{
-    self, cement, fabric, grains, hydrate, moduli, motion, network, porosity, row_major, stress,
-    sudden, walls,
+    self, cement, fabric, grains, hydrate, moduli, motion, network, porosity, row_major, shear,
+    stress, sudden, walls,
 };
 use crate::model::Model;
 use crate::plane;
@@ -77,6 +77,10 @@ impl Twin {
                 true => hydrate::hydrate(model, state, &contacts.list, loaded.stress.trace() / 3.0),
                 false => None,
             },
+            shear: match demand.shear {
+                true => shear::shear(model, state, &contacts.list),
+                false => None,
+            },
             plane,
             bonds: if demand.bonds { cement::bonds(model, state, &contacts) } else { None },
             cracks: match demand.cracks {
@@ -103,7 +107,7 @@ impl Twin {
         let pressure = cell.and_then(|cell| cell.pressure(&walls));
         Loaded {
             stress: match pressure {
-                None => stress::from_walls(&walls, &bounds),
+                None => stress::from_leaning_walls(&walls, &bounds, self.state.tilt),
                 Some(pressure) => Matrix3::from_diagonal(&[pressure, pressure, 0.0].into()),
             },
             strain: stress::engineering_strain(&bounds, &self.model.reference),

@@ -184,6 +184,7 @@ impl Sink for LiveSink {
             grain_motion: asked(&topics::GRAIN_MOTION),
             fabric: asked(&topics::FABRIC),
             hydrate: asked(&topics::HYDRATE),
+            shear: asked(&topics::SHEAR_STATE),
             plane: asked(&topics::PLANE_STATE),
             rearrangements: asked(&topics::REARRANGEMENTS),
             snapshots: asked(&topics::SNAPSHOTS),

@@ -74,6 +74,7 @@ impl History {
             .or_else(|| self.decode(message).map(Box::new).map(Measure::Motion))
             .or_else(|| self.decode(message).map(|one| Measure::Fabric(Box::new(one))))
             .or_else(|| self.decode(message).map(Measure::Hydrate))
+            .or_else(|| self.decode(message).map(Measure::Shear))
             .or_else(|| self.decode(message).map(Box::new).map(Measure::Plane))
             .or_else(|| self.decode(message).map(Box::new).map(Measure::Cloud))
             .or_else(|| self.decode(message).map(Box::new).map(Measure::Cracks))

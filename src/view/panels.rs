@@ -12,6 +12,7 @@ mod moduli;
 mod motion;
 mod network;
 mod plane;
+mod shear;
 mod solver;
 mod strain;
 mod typical;
@@ -71,6 +72,7 @@ pub fn sheets(history: &History, title: &str) -> Vec<(&'static str, Sheet)> {
         ("forces", vec![forces, contacts::tangential(run)]),
         ("motion", motions),
         ("hydrate", hydrate::charts(run)),
+        ("shear", shear::charts(run)),
         (
             "fabric",
             // About the axis z, which discs do not have.

@@ -6,7 +6,7 @@ pub(super) mod plane;
 use super::motions::Motions;
 use crate::msg::{
     ContactNetwork, Cracks, Event, Fabric, GrainMotion, Hydrate, Moduli, PackState, PlaneState,
-    PointCloud2, Rearrangement, Tangent, WallForces,
+    PointCloud2, Rearrangement, ShearState, Tangent, WallForces,
 };
 use crate::report::EventKind;
 
@@ -24,6 +24,8 @@ pub struct Run {
     pub fabrics: Vec<Fabric>,
     /// Hydrate and pore pressures.
     pub hydrates: Vec<Hydrate>,
+    /// How a box of discs is sheared.
+    pub shears: Vec<ShearState>,
     /// Discs.
     pub plane: plane::Plane,
     /// The moduli of the states themselves.
@@ -74,6 +76,7 @@ pub(super) enum Measure {
     Motion(Box<GrainMotion>),
     Fabric(Box<Fabric>),
     Hydrate(Hydrate),
+    Shear(ShearState),
     Plane(Box<PlaneState>),
     Cloud(Box<PointCloud2>),
     Cracks(Box<Cracks>),
@@ -112,7 +115,8 @@ impl Run {
             .chain(motions)
             .chain(fabrics)
             .chain(self.plane.states.iter().map(|state| state.increment))
-            .chain(self.hydrates.iter().map(|hydrate| hydrate.increment));
+            .chain(self.hydrates.iter().map(|hydrate| hydrate.increment))
+            .chain(self.shears.iter().map(|shear| shear.increment));
         all.fold(None, |range, at| {
             let (first, last) = range.unwrap_or((at, at));
             Some((first.min(at), last.max(at)))
@@ -130,6 +134,7 @@ impl Run {
             .max(self.fabrics.len())
             .max(self.plane.states.len())
             .max(self.hydrates.len())
+            .max(self.shears.len())
     }
 
     /// Whether `measure` tells of a later run than the measures of its type so far.
@@ -147,6 +152,9 @@ impl Run {
             }
             Measure::Hydrate(next) => {
                 (self.hydrates.last().map(|m| m.increment), next.increment, false)
+            }
+            Measure::Shear(next) => {
+                (self.shears.last().map(|m| m.increment), next.increment, false)
             }
             Measure::Plane(next) => {
                 (self.plane.states.last().map(|m| m.increment), next.increment, false)
@@ -182,6 +190,7 @@ impl Run {
             Measure::Motion(motion) => self.motions.add(*motion),
             Measure::Fabric(fabric) => self.fabrics.push(*fabric),
             Measure::Hydrate(hydrate) => self.hydrates.push(hydrate),
+            Measure::Shear(shear) => self.shears.push(shear),
             Measure::Plane(state) => self.plane.states.push(*state),
             Measure::Cloud(cloud) => self.plane.add_cloud(&cloud),
             Measure::Cracks(cracks) => self.cement.add(&cracks),

@@ -80,7 +80,7 @@ impl Model {
                     to[w] = on_top(w, asked[w]);
                 }
             }
-            Ask::Dissociation(_) => panic!("accepted {command:?}"),
+            Ask::Dissociation(_) | Ask::Shear(_) => panic!("accepted {command:?}"),
             Ask::Targets(targets) => {
                 for (w, target) in targets.into_iter().enumerate() {
                     match target {

@@ -255,6 +255,7 @@ fn measures(stamp: Stamp, increment: u64, contacts: u32) -> Measures {
         motion: Some(motion),
         fabric: Some(fabric),
         hydrate: None,
+        shear: None,
         plane: None,
         bonds: Some(bonds),
         cracks: Some(cracks),

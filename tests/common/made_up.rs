@@ -150,6 +150,7 @@ impl MadeUpTwin {
             motion: demand.grain_motion.then(|| n.motion(contacts)),
             fabric: demand.fabric.then(|| made_up_fabric::fabric(&mut || n.next())),
             hydrate: None,
+            shear: None,
             plane: None,
             bonds: (demand.bonds).then(|| made_up_cement::bonds(contacts as u32, &mut || n.next())),
             cracks: demand.cracks.then(|| made_up_cement::cracks(n.index() % 4, &mut || n.next())),

@@ -111,6 +111,7 @@ fn expected_json(served: &[Arc<Served>]) -> String {
     topic("grain_motion", json(all().filter_map(convert::whole_motion)));
     topic("fabric", json(all().filter_map(convert::fabric)));
     topic("hydrate", json(all().filter_map(convert::hydrate)));
+    topic("shear_state", json(all().filter_map(convert::shear)));
     topic("plane_state", json(all().filter_map(convert::plane_state)));
     topic("bonds", json(all().filter_map(convert::whole_bonds)));
     topic("cracks", json(all().filter_map(convert::whole_cracks)));

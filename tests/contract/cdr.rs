@@ -15,9 +15,9 @@ use graintwin::msg::{
     Bonds, BoundaryCommand, Circumstance, Clock, ContactNetwork, Cracks, Described,
     DiagnosticArray, DiagnosticStatus, Discrepancy, Dissociation, Duration, Event, Fabric,
     GrainMotion, Header, Hydrate, JointState, JointTrajectory, JointTrajectoryPoint, KeyValue,
-    Moduli, PackState, PlaneState, Quaternion, Rearrangement, Report, Snapshot, TFMessage, Tangent,
-    TangentModuli, Time, Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench,
-    WrenchStamped,
+    Moduli, PackState, PlaneState, Quaternion, Rearrangement, Report, ShearCommand, ShearState,
+    Snapshot, TFMessage, Tangent, TangentModuli, Time, Transform, TransformStamped, Vector3,
+    WallForces, WallTargets, Wrench, WrenchStamped,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -465,6 +465,26 @@ fn bytes_hashes_and_definitions_are_those_of_an_independent_implementation() {
         biot: 0.8,
     });
     exchange.add(Dissociation::default());
+    exchange.add(ShearCommand {
+        header: header(""),
+        session: "ß".into(),
+        sequence: 3,
+        mode: 1,
+        tilt: -0.015,
+        control: [0, 1, 2, 3, 0, 3],
+        value: [0.0, 1e-6, 2.0, 1e5, 0.0, 2e5],
+    });
+    exchange.add(ShearState {
+        header: header("pack"),
+        increment: 1 << 33,
+        tilt: 0.02,
+        strain: [1e-3, -1e-2, -1e-2, 2e-3],
+        inner_stress: [1e5, -3e4, -3.1e4, 2e5],
+        inner_grains: 1000,
+        stress_direction: -1.1,
+        strain_direction: f64::NAN,
+        mean_rotation: -0.01,
+    });
     exchange.add(Hydrate {
         header: header("pack"),
         increment: 1 << 33,

@@ -17,9 +17,9 @@ use graintwin::msg::{
     Bonds, BoundaryCommand, Circumstance, Clock, ContactNetwork, Cracks, Described,
     DiagnosticArray, DiagnosticStatus, Discrepancy, Dissociation, Duration, Event, Fabric,
     GrainMotion, Header, Hydrate, JointState, JointTrajectory, JointTrajectoryPoint, KeyValue,
-    Moduli, PackState, PlaneState, Quaternion, Rearrangement, Report, Snapshot, TFMessage, Tangent,
-    TangentModuli, Time, Transform, TransformStamped, Vector3, WallForces, WallTargets, Wrench,
-    WrenchStamped, topics,
+    Moduli, PackState, PlaneState, Quaternion, Rearrangement, Report, ShearCommand, ShearState,
+    Snapshot, TFMessage, Tangent, TangentModuli, Time, Transform, TransformStamped, Vector3,
+    WallForces, WallTargets, Wrench, WrenchStamped, topics,
 };
 use graintwin::report::{self, BondCondition, ContactState, EventEnd, EventKind, Measures};
 use graintwin::wall::{self, WallTarget};
@@ -93,6 +93,8 @@ fn every_struct_has_the_fields_of_its_text() {
     assert_same_fields::<Cracks>();
     assert_same_fields::<Fabric>();
     assert_same_fields::<Dissociation>();
+    assert_same_fields::<ShearCommand>();
+    assert_same_fields::<ShearState>();
     assert_same_fields::<Hydrate>();
     assert_same_fields::<PlaneState>();
     assert_same_fields::<Rearrangement>();
@@ -187,6 +189,8 @@ fn every_message_text_is_built_by_the_package_and_has_a_struct() {
         Cracks::TYPE,
         Fabric::TYPE,
         Dissociation::TYPE,
+        ShearCommand::TYPE,
+        ShearState::TYPE,
         Hydrate::TYPE,
         PlaneState::TYPE,
         Rearrangement::TYPE,
@@ -252,6 +256,7 @@ fn modes_and_contact_states_have_the_numbers_of_their_messages() {
     let controls = controls.map(|(name, target)| (name.to_owned(), target.numbers().0));
     let targets: Vec<_> = modes.iter().cloned().chain(controls).collect();
     assert_eq!(targets, constants::<WallTargets>());
+    assert_eq!(targets, constants::<ShearCommand>());
     let states = [
         ("STICK".into(), ContactState::Stick as u8),
         ("SLIDE".into(), ContactState::Slide as u8),
@@ -359,6 +364,13 @@ fn a_command_survives_the_way_through_its_message() {
         let numbers = (message.saturation_loss, message.pore_pressure, message.biot);
         assert_eq!(numbers, (0.25, f64::INFINITY, -0.0));
         assert_eq!(Command::from(message), command);
+        let shear = command::Shear { tilt: -0.25, targets };
+        let command = Command { ask: Ask::Shear(shear), ..command };
+        let CommandMessage::Shear(message) = CommandMessage::from(&command) else {
+            panic!("a tilt is no boundary command");
+        };
+        assert_eq!((message.tilt, message.control), (-0.25, [0, 1, 2, 3, 4, 255]));
+        assert_eq!(Command::from(message), command);
     }
 }
 
@@ -392,6 +404,7 @@ fn measures(contacts: u32) -> Measures {
         motion: None,
         fabric: None,
         hydrate: None,
+        shear: None,
         plane: None,
         bonds: None,
         cracks: None,

@@ -327,6 +327,30 @@ class Dissociation(IdlStruct, typename="graintwin_msgs.msg.dds_.Dissociation_"):
 
 
 @dataclass
+class ShearCommand(IdlStruct, typename="graintwin_msgs.msg.dds_.ShearCommand_"):
+    header: Header
+    session: str
+    sequence: uint64
+    mode: uint8
+    tilt: float64
+    control: array[uint8, 6]
+    value: array[float64, 6]
+
+
+@dataclass
+class ShearState(IdlStruct, typename="graintwin_msgs.msg.dds_.ShearState_"):
+    header: Header
+    increment: uint64
+    tilt: float64
+    strain: array[float64, 4]
+    inner_stress: array[float64, 4]
+    inner_grains: uint32
+    stress_direction: float64
+    strain_direction: float64
+    mean_rotation: float64
+
+
+@dataclass
 class Hydrate(IdlStruct, typename="graintwin_msgs.msg.dds_.Hydrate_"):
     header: Header
     increment: uint64
@@ -545,6 +569,7 @@ OUT = {
     "events": Out(Event, 20000),
     "fabric": Out(Fabric, 20000),
     "hydrate": Out(Hydrate, 20000),
+    "shear_state": Out(ShearState, 20000),
     "plane_state": Out(PlaneState, 20000),
     "bonds": Out(Bonds, 2000),
     "cracks": Out(Cracks, 20000),

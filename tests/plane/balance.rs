@@ -54,6 +54,7 @@ impl Probe {
             reference: &self.reference,
             bodies: &bodies,
             membranes: &[],
+            glued: &self.state.glued,
             carries: &self.state.carries,
             goes_on: false,
         };

@@ -74,6 +74,7 @@ impl Bench {
             bodies,
             membranes: &self.membranes,
             carries: &self.state.carries,
+            glued: &self.state.glued,
             goes_on: false,
         })
     }

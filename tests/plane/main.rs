@@ -23,4 +23,5 @@ mod outputs;
 mod points;
 mod rescale;
 mod samples;
+mod shear;
 mod threads;

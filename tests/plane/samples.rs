@@ -39,7 +39,8 @@ fn the_walls_have_the_stress_asked_for_and_the_box_its_depth() {
         let measures = found(&scene, &pack);
         let stress = state(&measures).stress_walls;
         for axis in [0, 1] {
-            assert!((stress[4 * axis] / 1e5 - 1.0).abs() < 1e-6, "{stress:?}");
+            // Shear that counts from where the contacts have come to changes the stress a little.
+            assert!((stress[4 * axis] / 1e5 - 1.0).abs() < 2e-5, "{stress:?}");
         }
         let [x, y, z] = pack.bounds.sides();
         assert!((2.3..2.7).contains(&(y / x)), "{x} {y}");
@@ -152,5 +153,27 @@ fn what_is_only_for_discs_or_only_for_spheres_is_named() {
     ] {
         let said = with(dimension, generate, prepare).unwrap_err();
         assert!(said.contains(text), "{said}");
+    }
+}
+
+#[test]
+fn discs_are_made_between_two_circles() {
+    let inner = 7e-4;
+    let yaml = format!(
+        "dimension: 2\nmaterials: {{sand: {{young: 2.32e9, poisson: 0.16, density: 2650.0}}}}\n\
+         pack: {{generate: {{grains: 300, radius: {{grading_b: {{mean: 0.1e-3, ratio: 4.0}}}}, \
+         material: sand, confining_stress: 1.0e5}}}}\n\
+         walls: {{friction: 0.0, cell: {{annulus: {{inner: {inner}}}}}}}"
+    );
+    let scene = scene::parse(&yaml, Path::new("scene.yaml")).unwrap();
+    let pack = built(&scene);
+    let measures = found(&scene, &pack);
+    let outer = pack.bounds.max[0];
+    let depth = pack.bounds.sides()[2];
+    let stress = measures.walls.normal_force[1] / (2.0 * std::f64::consts::PI * outer * depth);
+    assert!((stress / 1e5 - 1.0).abs() < 1e-6, "{stress}");
+    for grain in &pack.grains {
+        let far = grain.position[0].hypot(grain.position[1]);
+        assert!(far + 0.9 * grain.radius < outer && far - 0.9 * grain.radius > inner);
     }
 }

@@ -190,7 +190,7 @@ fn exit_2_for_wrong_input_files_with_every_complaint_on_a_line_of_stderr() {
         assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
         let expected = format!(
             "error: {scene}:6:21: solver.tolerance: 1.0 is outside 1e-13 <= tolerance <= 1e-2\n\
-             error: {scene}:7:12: dimension: 4; allowed: 3\n"
+             error: {scene}:7:12: dimension: 4; allowed: 2, 3\n"
         );
         assert_eq!(stderr, expected);
 

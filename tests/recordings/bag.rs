@@ -450,6 +450,8 @@ fn two_independent_readers_find_every_field_of_every_message() {
             "/graintwin/plane_state",
             "/graintwin/rearrangements",
             "/graintwin/report",
+            "/graintwin/shear_command",
+            "/graintwin/shear_state",
             "/graintwin/snapshots",
             "/graintwin/state",
             "/graintwin/tangent",

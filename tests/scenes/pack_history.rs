@@ -192,10 +192,10 @@ fn a_wrong_history_is_named_with_file_field_index_and_what_is_allowed() {
         (with(4, 5, ""), "contacts[0].first: 4; allowed: a grain, 0 to 3"),
         (
             with(0, 4, ""),
-            "contacts[0].second: 4; allowed: a grain above first = 0 and up to 3, or 4294967290 \
+            "contacts[0].second: 4; allowed: a grain above first = 0 and up to 3, or 4294967226 \
              to 4294967295 for a wall",
         ),
-        (with(0, u32::MAX - 6, ""), "contacts[0].second: 4294967289; allowed: a grain above"),
+        (with(0, u32::MAX - 70, ""), "contacts[0].second: 4294967225; allowed: a grain above"),
         (with(2, 1, ""), "contacts[0].second: 1; allowed: a grain above first = 2 and up to 3"),
         (with(1, 1, ""), "contacts[0].second: 1; allowed: a grain above first = 1"),
         (

@@ -31,7 +31,7 @@ pub(crate) fn run() {
         let loaded = scene(
             "  crystal: {rows: 41, columns: [15, 16], radius: 0.1e-3, material: sand}",
             &contact,
-            "solver: {max_overlap_share: 100.0, max_strain_increment: 1.0e-3}",
+            "max_overlap_share: 100.0, max_strain_increment: 1.0e-3",
         );
         let mut rig = Rig::new(&loaded.scene, &made(&loaded));
         rig.isotropic(PRESSURE);

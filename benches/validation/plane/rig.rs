@@ -12,13 +12,15 @@ use graintwin::twin::Twin;
 use graintwin::wall::{self, WallTarget};
 
 use super::{DIAMETER, INCREMENT};
+use crate::specimen::TOLERANCE;
 
-/// The scene with these lines in its `pack`, `contact` and elsewhere.
-pub(crate) fn scene(pack: &str, contact: &str, more: &str) -> Loaded {
+/// The scene with these lines in its `pack`, and its `contact` and keys of its `solver`.
+pub(crate) fn scene(pack: &str, contact: &str, solver: &str) -> Loaded {
     let text = format!(
         "dimension: 2\n\
          materials: {{sand: {{young: 2.32e9, poisson: 0.16, density: 2650.0}}}}\n\
-         pack:\n{pack}\nwalls: {{friction: 0.0}}\ncontact: {contact}\n{more}\n"
+         pack:\n{pack}\nwalls: {{friction: 0.0}}\ncontact: {contact}\n\
+         solver: {{tolerance: {TOLERANCE:e}, {solver}}}\n"
     );
     let scene = scene::parse(&text, Path::new("validation.yaml")).expect("the scene is right");
     Loaded { scene, file: "validation.yaml".into() }

@@ -15,7 +15,7 @@ const PRESSURES: [f64; 4] = [1e4, 1e6, 3e6, 6e6];
 const STIFFNESS: f64 = 1e6;
 const COHESION: f64 = 1e8;
 /// Stress of the sample while it was made \[Pa\].
-const MADE: f64 = 1e5;
+const MADE: f64 = 1e6;
 /// Largest strain of a test.
 const STRAIN: f64 = 2e-2;
 /// A test ends when σ1 has fallen to this share of its peak.
@@ -27,7 +27,7 @@ fn loaded(bond: bool, pack: &str, rotation: &str) -> Loaded {
         "{{normal: {{linear: {{stiffness: {STIFFNESS:e}{bond}}}}}, friction: {{coefficient: 0.6}}, \
          rotation: {rotation}}}"
     );
-    scene(pack, &contact, "solver: {max_overlap_share: 100.0}")
+    scene(pack, &contact, "max_overlap_share: 100.0")
 }
 
 fn pack(seed: u64, grains: u32, grading: &str, aspect: f64) -> Pack {

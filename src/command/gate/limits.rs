@@ -101,14 +101,15 @@ impl Gate {
         self.beyond_box(&self.destination(setpoint))
     }
 
-    /// `setpoint` as far as the limits allow, and which limit is in the way of the rest. `elapsed`
+    /// `setpoint` and `tilt` as far as the limits allow, and which limit is in the way of the rest. `elapsed`
     /// is the time that a rate counts by \[s\], when there is one.
     pub(super) fn within_limits(
         &self,
         setpoint: &Setpoint,
+        tilt: f64,
         elapsed: Option<f64>,
-    ) -> (Setpoint, Option<String>) {
-        let (share, mut beyond) = self.share_within(&self.destination(setpoint), elapsed);
+    ) -> (Setpoint, f64, Option<String>) {
+        let (share, mut beyond) = self.share_within(&self.destination(setpoint), tilt, elapsed);
         let mut within = *setpoint;
         for (w, control) in within.iter_mut().enumerate() {
             match control {
@@ -124,13 +125,22 @@ impl Gate {
                 }
             }
         }
-        (within, beyond)
+        let tilt = if share < 1.0 { self.tilted_by(tilt, share) } else { tilt };
+        (within, tilt, beyond)
     }
 
-    /// How much of the way to `target` is within the limits, and the sentence of the strictest.
+    /// The tilt after `share` of the way to `tilt`.
+    #[must_use]
+    pub fn tilted_by(&self, tilt: f64, share: f64) -> f64 {
+        self.tilt + share * (tilt - self.tilt)
+    }
+
+    /// How much of the way to `target` and `tilt` is within the limits, and the sentence of the
+    /// strictest.
     fn share_within(
         &self,
         target: &[f64; wall::COUNT],
+        tilt: f64,
         elapsed: Option<f64>,
     ) -> (f64, Option<String>) {
         let mut strictest = (1.0, None);
@@ -157,6 +167,8 @@ impl Gate {
             }
         }
         if limits.strain > 0.0 {
+            let course = Course { from: self.tilt, to: tilt, limit: limits.strain };
+            check(&course, &|| self.leans_by(tilt));
             for axis in 0..3 {
                 let (from, to) = (self.strain(axis, from), self.strain(axis, target));
                 check(&Course { from, to, limit: limits.strain }, &|| self.strains(axis, to));
@@ -225,7 +237,7 @@ impl Gate {
             return None;
         }
         self.beyond_box(&after.displacement)
-            .or_else(|| self.share_within(&after.displacement, None).1)
+            .or_else(|| self.share_within(&after.displacement, self.tilt, None).1)
     }
 
     /// A setpoint on the way from the walls' present state, whose equilibrium is `stand`, to
@@ -278,6 +290,11 @@ impl Gate {
             "the strain along {} would be {strain:e}: {:e} is allowed (node.limits.strain)",
             AXES[axis], self.limits.strain
         )
+    }
+
+    fn leans_by(&self, tilt: f64) -> String {
+        let allowed = self.limits.strain;
+        format!("the box would be tilted by {tilt:e}: {allowed:e} is allowed (node.limits.strain)")
     }
 
     fn bears(&self, w: usize, force: f64) -> String {

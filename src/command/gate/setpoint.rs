@@ -1,7 +1,7 @@
 //! What a command makes the walls do, limits aside.
 
 use super::Gate;
-use crate::command::{Ask, Command, Mode};
+use crate::command::{Ask, Command, Mode, Shear};
 use crate::plane::Cell;
 use crate::wall::{self, Control, Load, Setpoint, WallTarget};
 
@@ -13,6 +13,11 @@ pub(super) fn malformed(command: &Command) -> Option<String> {
     if let Ask::Dissociation(asked) = &command.ask {
         let (name, value) = asked.named().into_iter().find(|(_, value)| !value.is_finite())?;
         return Some(format!("{name} is {value}: a finite number is needed"));
+    }
+    if let Ask::Shear(Shear { tilt, .. }) = command.ask
+        && !tilt.is_finite()
+    {
+        return Some(format!("tilt is {tilt}: a finite number is needed"));
     }
     let values = command.ask.numbers();
     let wall = values.iter().position(|value| !value.is_finite())?;
@@ -45,6 +50,19 @@ fn fits(cell: &Cell, ask: &Ask, targets: &[WallTarget; wall::COUNT]) -> Result<(
 }
 
 impl Gate {
+    /// The tilt that `ask` leads to, or what is wrong with it.
+    pub(super) fn tilted(&self, ask: &Ask, mode: Mode) -> Result<f64, String> {
+        let Ask::Shear(Shear { tilt, .. }) = *ask else { return Ok(self.tilt) };
+        if !self.leans {
+            return Err("tilt: only a box of discs leans; allowed: other commands".into());
+        }
+        let tilt = if mode == Mode::Increment { self.tilt + tilt } else { tilt };
+        match tilt.abs() < 1.0 {
+            true => Ok(tilt),
+            false => Err(format!("the box would be tilted by {tilt}: allowed: -1 < tilt < 1")),
+        }
+    }
+
     /// What the walls do when they are asked so, or what is wrong with it.
     pub(super) fn setpoint(&self, ask: &Ask, mode: Mode) -> Result<Setpoint, String> {
         let targets = ask.targets();

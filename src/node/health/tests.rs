@@ -25,6 +25,7 @@ fn served(disposition: Disposition, iterations: Option<u32>) -> Served {
         motion: None,
         fabric: None,
         hydrate: None,
+        shear: None,
         plane: None,
         bonds: None,
         cracks: None,

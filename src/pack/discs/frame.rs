@@ -102,7 +102,7 @@ impl Frame {
     pub(super) fn strain(&mut self, strain: [f64; 2]) {
         match self {
             Self::Box { half } => {
-                half.iter_mut().zip(strain).for_each(|(side, e)| *side *= 1.0 + e)
+                half.iter_mut().zip(strain).for_each(|(side, e)| *side *= 1.0 + e);
             }
             Self::Annulus { outer, .. } => *outer *= 1.0 + strain[0],
         }

@@ -5,7 +5,9 @@ use crate::command::Disposition;
 use crate::pack::Pack;
 use crate::pack::generate::CompactError;
 use crate::report::Demand;
-use crate::scene::{Coulomb, Friction, Method, Node, Normal, Rotation, Scene, Targets};
+use crate::scene::{
+    Cell, Coulomb, Friction, Method, Node, Normal, PointSides, Rotation, Scene, Targets,
+};
 use crate::twin::Twin;
 use crate::wall::WallTarget;
 
@@ -75,14 +77,21 @@ fn started(scene: &Scene, pack: &Pack) -> Result<(Pack, bool), String> {
     }
 }
 
-/// `scene` while a pack is made: smooth walls that carry the stress, and grains with the friction of the
+/// `scene` while a pack is made: smooth walls without gaps that carry the stress, and grains with the friction of the
 /// compaction.
 fn making(scene: &Scene, goal: &Goal) -> Scene {
     let mut making = scene.clone();
     making.walls.friction = Some(0.0);
     let side = WallTarget::Stress(goal.stress);
-    making.walls.targets =
-        Targets::from([side, side, side, side, WallTarget::Keep, WallTarget::Keep]);
+    let keep = WallTarget::Keep;
+    making.walls.targets = Targets::from(match making.walls.cell {
+        Cell::Box => [side, side, side, side, keep, keep],
+        // The inner wall stands.
+        Cell::Annulus(_) => [keep, side, keep, keep, keep, keep],
+    });
+    making.walls.points = PointSides::default();
+    making.walls.open.clear();
+    making.walls.membranes.clear();
     let coefficient = goal.friction;
     making.contact.friction = match coefficient > 0.0 {
         true => Friction::Coulomb(Coulomb { coefficient, ..Coulomb::default() }),

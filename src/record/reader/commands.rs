@@ -3,10 +3,13 @@
 use super::items::{Item, Items};
 use super::{Bag, Channel, Message, ReadError};
 use crate::command::Command;
-use crate::msg::{BoundaryCommand, Described, Dissociation, MessageType, WallTargets, cdr};
+use crate::msg::{
+    BoundaryCommand, Described, Dissociation, MessageType, ShearCommand, WallTargets, cdr,
+};
 
 /// Types that are commands.
-const KINDS: [&MessageType; 3] = [BoundaryCommand::TYPE, WallTargets::TYPE, Dissociation::TYPE];
+pub(super) const KINDS: [&MessageType; 4] =
+    [BoundaryCommand::TYPE, WallTargets::TYPE, Dissociation::TYPE, ShearCommand::TYPE];
 
 /// The commands of a bag; see [`Bag::commands`].
 pub struct Commands<'a> {
@@ -60,6 +63,7 @@ impl<'a> Commands<'a> {
         let command = match kind {
             0 => cdr::decode::<BoundaryCommand>(&message.data).map(Command::from),
             2 => cdr::decode::<Dissociation>(&message.data).map(Command::from),
+            3 => cdr::decode::<ShearCommand>(&message.data).map(Command::from),
             _ => cdr::decode::<WallTargets>(&message.data).map(Command::from),
         };
         Some(command.map_err(|error| ReadError::Command {

@@ -11,7 +11,9 @@ use super::window::{TooLate, Window};
 use super::{Bag, Message, ReadError};
 use crate::command::request::Intake;
 use crate::command::{Ask, Command, Mode, Stamp};
-use crate::msg::{BoundaryCommand, Described, Dissociation, MessageType, WallTargets, cdr};
+use crate::msg::{
+    BoundaryCommand, Described, Dissociation, MessageType, ShearCommand, WallTargets, cdr,
+};
 use crate::wall;
 
 /// Largest message that is taken apart \[bytes\]: a trajectory of 80 000 points.
@@ -129,12 +131,13 @@ impl Reader {
             Self::Boundary => decode::<BoundaryCommand>(bytes).map(proper),
             Self::Targets => decode::<WallTargets>(bytes).map(proper),
             Self::Dissociation => decode::<Dissociation>(bytes).map(proper),
+            Self::Shear => decode::<ShearCommand>(bytes).map(proper),
             Self::States(map) => decode(bytes).map(|states| vec![map.intake(&states, None)]),
             Self::Trajectory(map) => decode(bytes).map(|points| map.intakes(&points, None)),
         };
         read.unwrap_or_else(|text| {
             vec![match self {
-                Self::Boundary | Self::Targets | Self::Dissociation => {
+                Self::Boundary | Self::Targets | Self::Dissociation | Self::Shear => {
                     Intake::Malformed(nameless(stamp), text)
                 }
                 Self::States(map) => map.unreadable(stamp, text),

@@ -8,7 +8,8 @@ use super::items::Item;
 use super::{Bag, Channel, ReadError};
 use crate::command::map::{JointStateMap, TrajectoryMap};
 use crate::msg::{
-    BoundaryCommand, Described, Dissociation, JointState, JointTrajectory, MessageType, WallTargets,
+    BoundaryCommand, Described, Dissociation, JointState, JointTrajectory, MessageType,
+    ShearCommand, WallTargets,
 };
 use crate::scene;
 
@@ -46,6 +47,8 @@ impl<'a> Source<'a> {
             Kind::Read(Reader::Targets)
         } else if is(Dissociation::TYPE) {
             Kind::Read(Reader::Dissociation)
+        } else if is(ShearCommand::TYPE) {
+            Kind::Read(Reader::Shear)
         } else if is(JointState::TYPE) {
             match self.joint_states {
                 Some(map) => Kind::Read(Reader::States(JointStateMap::new(map))),
@@ -75,6 +78,7 @@ pub(super) enum Reader {
     Boundary,
     Targets,
     Dissociation,
+    Shear,
     States(JointStateMap),
     Trajectory(TrajectoryMap),
 }
@@ -85,6 +89,7 @@ impl Reader {
             Self::Boundary => BoundaryCommand::TYPE,
             Self::Targets => WallTargets::TYPE,
             Self::Dissociation => Dissociation::TYPE,
+            Self::Shear => ShearCommand::TYPE,
             Self::States(_) => JointState::TYPE,
             Self::Trajectory(_) => JointTrajectory::TYPE,
         }
@@ -92,7 +97,7 @@ impl Reader {
 
     /// Whether its messages are commands, and not something that is made into such.
     fn is_proper(&self) -> bool {
-        matches!(self, Self::Boundary | Self::Targets | Self::Dissociation)
+        matches!(self, Self::Boundary | Self::Targets | Self::Dissociation | Self::Shear)
     }
 }
 
@@ -191,7 +196,7 @@ impl Scan {
             }
         }
         // One topic of each type.
-        for kind in [BoundaryCommand::TYPE, WallTargets::TYPE, Dissociation::TYPE] {
+        for kind in super::commands::KINDS {
             let mut names = proper.iter().filter(|(_, reader)| reader.kind() == kind);
             if let (Some((first, _)), Some((second, _))) = (names.next(), names.next()) {
                 let topics = [first, second].map(|name| (*name).clone());

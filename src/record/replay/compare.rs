@@ -191,6 +191,7 @@ fn is_on_demand(topic: &Topic) -> bool {
         &topics::GRAIN_MOTION,
         &topics::FABRIC,
         &topics::HYDRATE,
+        &topics::SHEAR_STATE,
         &topics::PLANE_STATE,
         &topics::REARRANGEMENTS,
         &topics::SNAPSHOTS,

@@ -71,6 +71,7 @@ impl Step {
             grain_motion: has(&topics::GRAIN_MOTION),
             fabric: has(&topics::FABRIC),
             hydrate: has(&topics::HYDRATE),
+            shear: has(&topics::SHEAR_STATE),
             plane: has(&topics::PLANE_STATE),
             rearrangements: has(&topics::REARRANGEMENTS),
             snapshots: has(&topics::SNAPSHOTS),

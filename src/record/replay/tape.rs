@@ -9,7 +9,7 @@ use crate::command::circumstance::{Circumstance, Happened};
 use crate::command::request::Request;
 use crate::command::{Command, Disposition};
 use crate::msg::topics;
-use crate::msg::{self, BoundaryCommand, Described, Dissociation, WallTargets, cdr};
+use crate::msg::{self, BoundaryCommand, Described, Dissociation, ShearCommand, WallTargets, cdr};
 use crate::record::reader::{Bag, Item, Items, Message};
 use crate::record::role::Role;
 use crate::record::{Closing, END};
@@ -229,6 +229,8 @@ fn command(message: &Message) -> Result<Command, String> {
         cdr::decode::<BoundaryCommand>(&message.data).map(Command::from)
     } else if is(Dissociation::TYPE) {
         cdr::decode::<Dissociation>(&message.data).map(Command::from)
+    } else if is(ShearCommand::TYPE) {
+        cdr::decode::<ShearCommand>(&message.data).map(Command::from)
     } else {
         cdr::decode::<WallTargets>(&message.data).map(Command::from)
     };

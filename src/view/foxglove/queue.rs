@@ -155,6 +155,7 @@ fn light(served: &Served) -> Served {
         let events = measures.events.clone();
         let fabric = measures.fabric.clone();
         let hydrate = measures.hydrate;
+        let shear = measures.shear;
         let plane = measures.plane.clone();
         let rearrangements = measures.rearrangements.clone();
         let snapshots = measures.snapshots.clone();
@@ -176,6 +177,7 @@ fn light(served: &Served) -> Served {
             motion,
             fabric,
             hydrate,
+            shear,
             plane,
             bonds,
             cracks,
