@@ -6,8 +6,8 @@
 //! of the box.
 //!
 //! [`advance`](advance::advance) moves the walls in sub-increments. Each begins where the contacts are
-//! ([`reference`]): their shear counts from there, with the stiffness and the limit of that normal force
-//! ([`law`]), and so has a potential. [`newton`] finds its minimum over the grains and the walls that
+//! ([`mod@reference`]): their shear counts from there, with the stiffness and the limit of that normal force
+//! ([`law`]), and so has a potential. `newton` finds its minimum over the grains and the walls that
 //! carry loads, with the exact derivative of the balance ([`balance`]) factorised directly ([`matrix`]).
 
 pub mod advance;

@@ -105,8 +105,9 @@ impl Scenery<'_> {
         let (i, j) = (joint.first as usize, j as usize);
         let branch = pose.at[i] - pose.at[j];
         let square = branch.norm_squared();
-        let pulls = joint.bonded;
-        if !pulls && square >= joint.reach * joint.reach && !(joint.held && !joint.opened) {
+        let apart = square >= joint.reach * joint.reach;
+        let shears = joint.held && !joint.opened;
+        if apart && !joint.bonded && !shears {
             return None;
         }
         if !(self.carries[i] && self.carries[j]) || glue::joins(self.glued, joint) {
@@ -534,8 +535,9 @@ impl Parts {
         let v = body.slide;
         let grown = self.normal * body.growth;
         let mut column = [0.0; FREEDOMS];
-        for a in 0..2 {
-            column[a] = -(self.push[a][0] * v.x + self.push[a][1] * v.y) + grown * self.close[a];
+        let rows = self.push.iter().zip(self.close.iter());
+        for (to, (push, close)) in column.iter_mut().zip(rows) {
+            *to = -(push[0] * v.x + push[1] * v.y) + grown * close;
         }
         if turns {
             column[2] = self.shear * lever * self.shift.dot(&v);

@@ -1,8 +1,8 @@
 //! The linear system of a Newton step: a symmetric matrix of 3x3 blocks, one a grain, factorised
 //! exactly.
 //!
-//! In the plane a direct factorisation is cheap: nested dissection ([`tree`]) cuts the pack along lines
-//! of grains, and the fronts along them are small dense matrices ([`front`]). So rolling grains and
+//! In the plane a direct factorisation is cheap: nested dissection (`tree`) cuts the pack along lines
+//! of grains, and the fronts along them are small dense matrices (`front`). So rolling grains and
 //! grains that slide on all sides, which make iterative solvers crawl, cost nothing extra.
 
 mod front;
@@ -148,8 +148,9 @@ mod tests {
                     matrix.diagonal[i][a][a] += 30.0;
                     dense[(3 * i + a, 3 * i + a)] += 30.0 + 0.5;
                 }
-                for k in start[i] as usize..start[i + 1] as usize {
-                    let j = second[k] as usize;
+                let row = start[i] as usize..start[i + 1] as usize;
+                for (k, j) in row.clone().zip(&second[row]) {
+                    let j = *j as usize;
                     for a in 0..3 {
                         for b in 0..3 {
                             let x = rng.random::<f64>() - 0.5;

@@ -1,7 +1,7 @@
 //! Membranes: a pressure p on the outline of the pack, which bends with the grains (B 2.5).
 //!
 //! The outline is the polygon through the centres of the grains that a disc touches which rolls around
-//! the pack ([`outline`](super::outline)). With its area S the pressure has the potential p D S as long
+//! the pack (`outline`). With its area S the pressure has the potential p D S as long
 //! as the grains of the outline are the same, which they are until the next reference. The outline goes
 //! straight on to the sides at its ends, which do not feel it.
 

@@ -419,9 +419,9 @@ fn longest_share(model: &Model, state: &State, work: &Workspace) -> f64 {
 fn slope_along(work: &Workspace, balance: &Balance) -> f64 {
     let unbalance = work.unbalance(balance);
     let mut slope = dot(&work.search.step, &balance.gradient);
-    for k in 0..work.drives.len() {
-        let pressed = unbalance[k] + dot(&work.search.carried[k], &balance.gradient);
-        slope += work.search.way[k] * pressed;
+    let drives = work.search.carried.iter().zip(&work.search.way).zip(unbalance);
+    for ((carried, way), unbalance) in drives.take(work.drives.len()) {
+        slope += way * (unbalance + dot(carried, &balance.gradient));
     }
     slope
 }

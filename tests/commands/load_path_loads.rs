@@ -32,7 +32,7 @@ fn pack() -> Pack {
 fn walk(scene: &Scene, folder: &FilePath) -> Vec<(Command, Measures, Bounds)> {
     let pack = pack();
     let mut twin = Twin::new(scene, &pack, 1).unwrap();
-    let path = Path::new(&scene, folder, &pack.bounds).unwrap();
+    let path = Path::new(scene, folder, &pack.bounds).unwrap();
     let length = path.length();
     let mut here = path.whereabouts();
     let report = twin.start(Demand::ALL);

@@ -80,7 +80,7 @@ fn an_even_motion_has_its_strain_and_the_printed_sums_tell_half_of_it() {
     }
     // The area within the border, by the shoelace formula.
     let side = 9;
-    let border = (0..8).map(|k| k).chain((0..8).map(|k| k * side + 8));
+    let border = (0..8).chain((0..8).map(|k| k * side + 8));
     let border: Vec<usize> = border
         .chain((0..8).map(|k| 8 * side + 8 - k))
         .chain((0..8).map(|k| (8 - k) * side))
