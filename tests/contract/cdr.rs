@@ -482,7 +482,7 @@ fn bytes_hashes_and_definitions_are_those_of_an_independent_implementation() {
         inner_stress: [1e5, -3e4, -3.1e4, 2e5],
         inner_grains: 1000,
         stress_direction: -1.1,
-        strain_direction: f64::NAN,
+        strain_direction: 0.7,
         mean_rotation: -0.01,
     });
     exchange.add(Hydrate {
