@@ -337,7 +337,8 @@ impl Course {
     ) -> Result<(), PathError> {
         self.take(targets);
         self.tilt = tilt;
-        self.command(nanoseconds, Ask::Shear(Shear { tilt, targets: self.targets }))
+        // Walls that are not named do what they did: the path does not know of the scene's own loads.
+        self.command(nanoseconds, Ask::Shear(Shear { tilt, targets }))
     }
 
     fn take(&mut self, targets: [WallTarget; wall::COUNT]) {
