@@ -643,8 +643,8 @@ fn wrong_load_paths_are_named_with_their_step() {
 
 #[test]
 fn what_this_version_cannot_do_is_said_so() {
-    let linear =
-        "2:19: contact.normal: this version has no linear contacts; allowed: hertz, cement";
+    let linear = "2:19: contact.normal: linear contacts are those of discs; allowed: hertz, cement, or \
+                  `dimension: 2`";
     refused(&behind_pack(&[("contact: {normal: {linear: {stiffness: 1}}}", linear)]));
 }
 

@@ -16,7 +16,7 @@ pub struct Commands<'a> {
     bag: &'a Bag,
     items: Items,
     /// Topic of each of [`KINDS`].
-    topics: [Option<String>; 3],
+    topics: [Option<String>; KINDS.len()],
     others: Vec<String>,
     commands: u64,
     ended: bool,
@@ -28,7 +28,7 @@ impl<'a> Commands<'a> {
         Self {
             bag,
             items,
-            topics: [None, None, None],
+            topics: std::array::from_fn(|_| None),
             others: Vec::new(),
             commands: 0,
             ended: false,
