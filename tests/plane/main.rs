@@ -12,7 +12,6 @@ mod biaxial;
 mod bonds;
 mod cracking;
 mod crystal;
-mod crystals;
 mod derivatives;
 mod discs;
 mod gradings;
