@@ -140,9 +140,14 @@ proptest! {
         other.position.iter_mut().for_each(|at| *at = frame * *at + Vec3::from(shift));
         other.displacement.iter_mut().for_each(|moved| *moved = frame * *moved);
         for (one, other) in cluster.known().iter().zip(other.known()) {
+            // The shift rounds positions of 10 to 1e-15; neighbours that lie almost in a plane take a
+            // grain's strain, and what rounding does to it, up by the same factor.
+            let strain = one.shear_strain.max(one.volumetric_strain.abs());
             prop_assert!((one.d2min / other.d2min - 1.0).abs() <= 1e-10);
-            prop_assert!((one.shear_strain - other.shear_strain).abs() <= 1e-15);
-            prop_assert!((one.volumetric_strain - other.volumetric_strain).abs() <= 1e-15);
+            prop_assert!((one.shear_strain - other.shear_strain).abs() <= 1e-12 * strain);
+            prop_assert!(
+                (one.volumetric_strain - other.volumetric_strain).abs() <= 1e-12 * strain
+            );
         }
     }
 }
