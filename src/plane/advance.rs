@@ -2,16 +2,16 @@
 
 use super::boundary::{self, SIDES};
 use super::pressed::Pressed;
-use super::work::{Drive, Workspace};
+use super::work::{Drive, Legs, Workspace};
 use super::{commit, contacts, crack, gauss_seidel, glue, loads, newton};
 use crate::contact::neighbours::Neighbours;
 use crate::model::Model;
-use crate::relax::Outcome;
 use crate::relax::advance::{
     Advance, part_of_the_way, remaining_load, standing_target, strain_limit,
 };
 use crate::relax::jump::{Jump, Pose};
 use crate::relax::servo::Drive as Load;
+use crate::relax::{Outcome, Status};
 use crate::scene::{Method, Update};
 use crate::state::{Ledger, State};
 use crate::wall::{self, Bounds, Setpoint};
@@ -22,6 +22,9 @@ const ROUNDING: f64 = 1e-9;
 const HALVINGS: u32 = 6;
 /// Most times that the limits of friction, or loads that go with areas, are renewed.
 const RENEWALS: u32 = 12;
+/// Steps after which contacts of a pack on its way to another equilibrium are taken as they are now. With
+/// those of the last equilibrium a pack that moves far would have no friction where it is.
+const LEG: u32 = 40;
 /// A load is what was asked for to this share of it, and limits to this share of the mean force.
 const SETTLED: f64 = 1e-10;
 const LIMITS_SETTLED: f64 = 1e-7;
@@ -119,6 +122,7 @@ pub fn advance(
             let outcome = solve(model, state, work, near);
             so_far.outcome = outcome;
             so_far.iterations += outcome.iterations;
+            so_far.descents += outcome.descents;
             if outcome.status.is_equilibrium() {
                 loads = aim;
                 break;
@@ -135,12 +139,13 @@ pub fn advance(
         so_far.substeps += 1;
         let changes = commit::commit(model, state, work);
         so_far.count(changes);
+        so_far.count(work.legs.changes);
         so_far.wall_force_error = newton::wall_force_error(model, state, work);
         near.refresh(model, &state.position, &state.bounds(model));
         let next = Pressed::of(model, state, near);
         let worked = state.wall_work;
         state.wall_work += Pressed::work((&last, &pressed), (state, &next));
-        state.wall_work += loads::membrane_work(&last, work);
+        state.wall_work += work.legs.worked + loads::membrane_work(&last, work);
         pressed = next;
         if let Some(jump) = work.jumps.last_mut() {
             // What is neither stored nor lost by slip was lost in the jump.
@@ -242,9 +247,10 @@ fn move_walls(
 
 /// Relaxes until loads, limits of friction and open contacts are what they shall be.
 fn solve(model: &Model, state: &mut State, work: &mut Workspace, near: &mut Neighbours) -> Outcome {
+    work.legs = Legs::default();
     let current =
         model.friction.as_ref().is_some_and(|friction| friction.update == Update::Current);
-    let mut iterations = 0;
+    let (mut iterations, mut legs) = (0, 0);
     let mut before = Pose::default();
     before.copy(state);
     for at in before.position.iter_mut().zip(&work.pose.at) {
@@ -259,13 +265,22 @@ fn solve(model: &Model, state: &mut State, work: &mut Workspace, near: &mut Neig
             work.evaluate(model, state);
             virial = Some(work.balance.sums.virial.iter().sum());
         }
+        let most = newton::most_steps(model);
+        let flows = model.friction.is_some() && most - iterations > LEG;
         let mut outcome = match model.solver.method {
             Method::GaussSeidel => gauss_seidel::relax(model, state, work, near),
-            _ => newton::relax(model, state, work, near),
+            _ if flows => newton::relax(model, state, work, near, LEG),
+            _ => newton::relax(model, state, work, near, most - iterations),
         };
         concave |= work.search.concave;
         iterations += outcome.iterations;
-        outcome.iterations = iterations;
+        (outcome.iterations, outcome.descents) = (iterations, legs);
+        if flows && outcome.status == Status::MaxIterations && model.solver.method == Method::Newton
+        {
+            legs += 1;
+            flow_on(model, state, work, near);
+            continue;
+        }
         if !outcome.status.is_equilibrium() {
             return outcome;
         }
@@ -281,6 +296,15 @@ fn solve(model: &Model, state: &mut State, work: &mut Workspace, near: &mut Neig
             return outcome;
         }
     }
+}
+
+/// Ends a leg of a way down that is long: contacts get the shear and the limits that they have now, and
+/// new ones begin to rub.
+fn flow_on(model: &Model, state: &mut State, work: &mut Workspace, near: &mut Neighbours) {
+    let changes = commit::commit(model, state, work);
+    work.legs.changes.add(changes);
+    work.legs.worked += loads::membrane_work(state, work);
+    work.begin(model, state, near, false);
 }
 
 fn renew_limits(model: &Model, state: &State, work: &mut Workspace) -> bool {
@@ -370,8 +394,10 @@ fn break_bonds(
         }
         let changes = commit::commit(model, state, work);
         so_far.count(changes);
+        so_far.count(work.legs.changes);
         let has = outcome.sums.energy + ledger(state);
         let worked: f64 = work.membranes.iter().map(|m| m.work(&work.pose.at, m.pressure)).sum();
+        let worked = worked + work.legs.worked;
         state.wall_work += worked;
         let released = had + worked - has - work.jumps.iter().map(Jump::released).sum::<f64>();
         state.friction.broken += released;

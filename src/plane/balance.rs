@@ -126,6 +126,21 @@ impl Scenery<'_> {
         Some(act)
     }
 
+    /// The pairs that do something: their place in the list, the other grain, and what they do.
+    pub fn pairs<'a>(
+        &'a self,
+        pose: &'a Pose,
+    ) -> impl Iterator<Item = (usize, usize, &'a Joint, Act)> {
+        let near = self.reference.near.iter().zip(&self.reference.pairs).enumerate();
+        near.filter_map(move |(k, (near, joint))| {
+            let [i, j] = near.grains.map(|grain| grain as usize);
+            if (pose.at[i] - pose.at[j]).norm_squared() >= near.square {
+                return None;
+            }
+            self.pair(joint, pose).map(|act| (k, j, joint, act))
+        })
+    }
+
     /// What the edge `joint` does; `None` where it does nothing.
     #[inline]
     #[must_use]
@@ -262,15 +277,13 @@ impl Balance {
         self.sums = Sums::NONE;
         self.shear_potential = 0.0;
         self.pressure_potential = 0.0;
-        for joint in &reference.pairs {
-            let Some(act) = scenery.pair(joint, pose) else { continue };
-            let Other::Grain(j) = joint.second else { continue };
+        for (_, j, joint, act) in scenery.pairs(pose) {
             let force = act.force();
             self.add(model, joint.first, -force, -joint.arm[0] * act.shear.force);
-            self.add(model, j, force, -joint.arm[1] * act.shear.force);
+            self.add(model, j as u32, force, -joint.arm[1] * act.shear.force);
             let holds = self.holds(joint, &act);
             self.support[joint.first as usize] += holds;
-            self.support[j as usize] += holds;
+            self.support[j] += holds;
             self.count(&act);
         }
         for joint in &reference.edges {
@@ -401,18 +414,15 @@ impl Slope {
         let mut slides = std::mem::take(&mut self.slides);
         slides.resize(reference.pairs.len() + reference.edges.len(), (0, 0));
         let (of_pairs, of_edges) = slides.split_at_mut(reference.pairs.len());
-        let rows = reference.pairs.iter().zip(&mut self.matrix.pairs).zip(of_pairs);
-        for ((joint, block), slides) in rows {
-            let Some(mut act) = scenery.pair(joint, pose) else { continue };
-            act.turn(joint, slides);
-            let Other::Grain(j) = joint.second else { continue };
-            let (i, j) = (joint.first as usize, j as usize);
+        for (k, j, joint, mut act) in scenery.pairs(pose) {
+            act.turn(joint, &mut of_pairs[k]);
+            let i = joint.first as usize;
             let parts = Parts::of(&act, convex);
             let lever = [joint.arm[0] / model.radius[i], joint.arm[1] / model.radius[j]];
             let [own, mixed, other] = parts.blocks(lever, setup.turns);
             add(&mut self.matrix.diagonal[i], &own);
             add(&mut self.matrix.diagonal[j], &other);
-            *block = mixed;
+            self.matrix.pairs[k] = mixed;
         }
         for (joint, slides) in reference.edges.iter().zip(of_edges) {
             let Some(mut act) = scenery.edge(joint, pose) else { continue };

@@ -78,12 +78,10 @@ pub(super) fn rejoin(model: &Model, state: &mut State, work: &mut Workspace) -> 
     floating.joints.clear();
     let floats = |grain: u32| !state.carries[grain as usize];
     let pairs = reference.pairs.len() as u32;
-    for (k, joint) in reference.pairs.iter().chain(&reference.edges).enumerate() {
-        let other = matches!(joint.second, Other::Grain(j) if floats(j));
-        if floats(joint.first) || other {
-            floating.joints.push(k as u32);
-        }
-    }
+    let pairs_float = reference.near.iter().map(|near| near.grains.iter().any(|g| floats(*g)));
+    let edges_float = reference.edges.iter().map(|joint| floats(joint.first));
+    let joints = (0..).zip(pairs_float.chain(edges_float));
+    floating.joints.extend(joints.filter(|(_, floats)| *floats).map(|(k, _)| k));
     let joint = |k: u32| match k.checked_sub(pairs) {
         None => &reference.pairs[k as usize],
         Some(k) => &reference.edges[k as usize],

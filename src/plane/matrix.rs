@@ -9,7 +9,7 @@ mod front;
 mod tree;
 
 use crate::heap;
-use front::Front;
+use front::Fronts;
 use tree::Tree;
 
 /// Freedoms of a grain: x, y and its turn times its radius.
@@ -27,12 +27,11 @@ pub struct Matrix {
     /// list, and of each link.
     pub pairs: Vec<Block>,
     tree: Tree,
-    fronts: Vec<Front>,
+    fronts: Fronts,
     /// Factors of all fronts, column by column.
     factors: Vec<f64>,
     /// What the fronts leave to those above them, as a stack.
     stack: Vec<f64>,
-    place: Vec<u32>,
     scratch: Vec<f64>,
     factorised: bool,
     /// How often it was factorised.
@@ -55,9 +54,7 @@ impl Matrix {
         self.tree.build(position, start, second, couples, links);
         self.diagonal.resize(position.len(), [[0.0; FREEDOMS]; FREEDOMS]);
         self.pairs.resize(second.len() + links.len(), [[0.0; FREEDOMS]; FREEDOMS]);
-        front::lay_out(&self.tree, &mut self.fronts);
-        self.place.clear();
-        self.place.resize(position.len(), u32::MAX);
+        self.fronts.lay_out(&self.tree);
     }
 
     /// Empties all entries.
@@ -70,12 +67,8 @@ impl Matrix {
     /// definite; if not the factors are of no use.
     pub fn factorise(&mut self, shift: f64) -> bool {
         self.factorisations += 1;
-        let Self { diagonal, pairs, tree, fronts, factors, stack, place, .. } = self;
-        factors.clear();
-        stack.clear();
-        self.factorised = fronts
-            .iter_mut()
-            .all(|front| front.factorise(tree, (diagonal, pairs), shift, factors, stack, place));
+        let Self { diagonal, pairs, tree, fronts, factors, stack, .. } = self;
+        self.factorised = fronts.factorise(tree, (diagonal, pairs), shift, factors, stack);
         self.factorised
     }
 
@@ -88,22 +81,16 @@ impl Matrix {
     /// Solves in place for a right side of three numbers a grain.
     pub fn solve(&mut self, right: &mut [f64]) {
         let Self { tree, fronts, factors, scratch, .. } = self;
-        for front in fronts.iter() {
-            front.forward(tree, factors, right, scratch);
-        }
-        for front in fronts.iter().rev() {
-            front.backward(tree, factors, right, scratch);
-        }
+        fronts.solve(tree, factors, right, scratch);
     }
 
     /// Memory that its lists hold \[bytes\].
     pub(crate) fn heap_bytes(&self) -> usize {
         heap::bytes(&self.diagonal)
             + heap::bytes(&self.pairs)
-            + heap::bytes(&self.fronts)
+            + self.fronts.heap_bytes()
             + heap::bytes(&self.factors)
             + heap::bytes(&self.stack)
-            + heap::bytes(&self.place)
             + heap::bytes(&self.scratch)
             + self.tree.heap_bytes()
     }

@@ -50,12 +50,25 @@ pub struct Joint {
     pub opened: bool,
 }
 
+/// Two grains that can touch.
+#[derive(Clone, Copy, Debug)]
+pub struct Near {
+    /// The grains.
+    pub grains: [u32; 2],
+    /// Square of the distance from which on they do nothing \[m²\]; infinite where shear or a bond may
+    /// act on grains that are apart.
+    pub square: f64,
+}
+
 /// All joints: those of two grains in the order of the neighbour list, and those of grains with bodies,
 /// by grain and body.
 #[derive(Clone, Debug, Default)]
 pub struct Reference {
     /// Of two grains.
     pub pairs: Vec<Joint>,
+    /// What tells that a pair does nothing, in the order of the pairs: most of them are apart, and this
+    /// is a tenth of what there is to a pair.
+    pub near: Vec<Near>,
     /// Of a grain and a body.
     pub edges: Vec<Joint>,
 }
@@ -119,6 +132,18 @@ impl Reference {
         bind(&mut self.pairs, &state.bonds, setup.law);
         recall(&mut self.pairs, &state.memory, given);
         recall(&mut self.edges, &state.memory, given);
+        self.list();
+    }
+
+    /// Lists the pairs anew.
+    pub(super) fn list(&mut self) {
+        self.near.clear();
+        self.near.extend(self.pairs.iter().filter_map(|joint| {
+            let Other::Grain(second) = joint.second else { return None };
+            let far = joint.held || joint.bonded;
+            let square = if far { f64::INFINITY } else { joint.reach * joint.reach };
+            Some(Near { grains: [joint.first, second], square })
+        }));
     }
 
     /// Takes the shear away from contacts that opened, so that nothing apart is pulled; `overlap` is that

@@ -15,6 +15,7 @@ use crate::heap;
 use crate::model::Model;
 use crate::relax::Effort;
 use crate::relax::jump::Jump;
+use crate::relax::tangential::Changes;
 use crate::state::State;
 use crate::wall::{self, Load};
 
@@ -32,6 +33,15 @@ pub struct Drive {
     pub load: Load,
 }
 
+/// Legs of a way to another equilibrium.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Legs {
+    /// Contacts that opened and formed.
+    pub(super) changes: Changes,
+    /// Work of membranes on the grains \[J\].
+    pub(super) worked: f64,
+}
+
 /// Scratch that may be thrown away at any time.
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
@@ -47,6 +57,8 @@ pub struct Workspace {
     pub membranes: Vec<Membrane>,
     /// Instabilities since the list was last emptied.
     pub jumps: Vec<Jump>,
+    /// What the legs of the way at hand came to that have ended.
+    pub(super) legs: Legs,
     pub(super) slope: Slope,
     pub(super) bodies: Vec<Body>,
     pub(super) trial: Pose,
@@ -83,6 +95,7 @@ impl Workspace {
     pub fn heap_bytes(&self) -> usize {
         let columns = self.slope.columns.iter().map(heap::bytes).sum::<usize>();
         heap::bytes(&self.reference.pairs)
+            + heap::bytes(&self.reference.near)
             + heap::bytes(&self.reference.edges)
             + self.pose.heap_bytes()
             + self.trial.heap_bytes()
@@ -140,6 +153,7 @@ impl Workspace {
         self.reference.begin(model, state, near, &self.bodies, false);
         keep(&before.pairs, &mut self.reference.pairs);
         keep(&before.edges, &mut self.reference.edges);
+        self.reference.list();
         self.arrange(near);
         true
     }

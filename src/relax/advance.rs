@@ -86,9 +86,7 @@ impl Advance {
     }
 
     pub(crate) fn count(&mut self, changes: Changes) {
-        self.changes.opened += changes.opened;
-        self.changes.formed += changes.formed;
-        self.changes.excess = self.changes.excess.max(changes.excess);
+        self.changes.add(changes);
     }
 }
 

@@ -2,36 +2,161 @@
 
 use super::tree::{Node, Tree};
 use super::{Block, FREEDOMS};
+use crate::heap;
 use crate::relax::lanes::{Kernel, Lanes, dispatch};
 
 /// Columns that are eliminated as one, so that the rest is updated by all of them in one sweep.
-const PANEL: usize = 6;
+const PANEL: usize = 2 * FREEDOMS;
+/// Numbers that are updated side by side.
+const WIDE: usize = 4;
 
 /// One supernode with the place of its factors.
 #[derive(Clone, Debug)]
-pub(super) struct Front {
+struct Front {
     node: Node,
-    /// What it leaves of each child in the stack: fronts of the children, last first.
-    children: Vec<u32>,
-    /// Numbers that stand in the stack for this front \[count\].
-    leaves: usize,
+    /// Its entries among [`Fronts::entries`].
+    entries: [u32; 2],
+    /// First of the places of its children's grains in it, last child first, in [`Fronts::places`].
+    places: u32,
     /// First of its factors.
     at: usize,
 }
 
-/// Makes the fronts of `tree`.
-pub(super) fn lay_out(tree: &Tree, fronts: &mut Vec<Front>) {
-    fronts.clear();
-    let mut open: Vec<u32> = Vec::new();
-    let mut at = 0;
-    for (own, &node) in tree.nodes.iter().enumerate() {
-        let from = open.len() - node.children as usize;
-        let children = open.drain(from..).rev().collect();
-        open.push(own as u32);
-        let coupled = FREEDOMS * node.coupled as usize;
-        fronts.push(Front { node, children, leaves: coupled * coupled, at });
-        let pivots = FREEDOMS * node.pivots as usize;
-        at += (pivots + coupled) * pivots;
+/// A block of the system in a front.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    /// Its number in the list of the pairs.
+    pair: u32,
+    /// First of its grains' rows and columns.
+    row: u32,
+    column: u32,
+    /// Whether the column's grain has the smaller number, so that the block stands the other way round.
+    turned: bool,
+}
+
+/// The supernodes in the order of elimination.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Fronts {
+    list: Vec<Front>,
+    entries: Vec<Entry>,
+    /// Coupled grains of each child that a front takes over, and where they stand among its own.
+    places: Vec<u32>,
+    /// Grains that each child leaves, in the order in which they are taken over.
+    left: Vec<u32>,
+}
+
+impl Fronts {
+    /// Makes the fronts of `tree`.
+    pub(super) fn lay_out(&mut self, tree: &Tree) {
+        let Self { list, entries, places, left } = self;
+        list.clear();
+        entries.clear();
+        places.clear();
+        left.clear();
+        let mut open: Vec<u32> = Vec::new();
+        let mut place = vec![0; tree.rank.len()];
+        let mut at = 0;
+        for (own, &node) in tree.nodes.iter().enumerate() {
+            let grains = tree.grains_of(&node);
+            for (k, &grain) in grains.iter().enumerate() {
+                place[grain as usize] = (FREEDOMS * k) as u32;
+            }
+            let first_entry = entries.len() as u32;
+            for &grain in &grains[..node.pivots as usize] {
+                for &(other, pair) in tree.links_of(grain) {
+                    if tree.rank[other as usize] > tree.rank[grain as usize] {
+                        let [row, column] = [other, grain].map(|grain| place[grain as usize]);
+                        entries.push(Entry { pair, row, column, turned: grain < other });
+                    }
+                }
+            }
+            let first_place = places.len() as u32;
+            for child in open.drain(open.len() - node.children as usize..).rev() {
+                let child: &Node = &tree.nodes[child as usize];
+                let taken = &tree.grains_of(child)[child.pivots as usize..];
+                places.extend(taken.iter().map(|&grain| place[grain as usize]));
+                left.push(child.coupled);
+            }
+            open.push(own as u32);
+            let entries = [first_entry, entries.len() as u32];
+            list.push(Front { node, entries, places: first_place, at });
+            let pivots = FREEDOMS * node.pivots as usize;
+            at += (pivots + FREEDOMS * node.coupled as usize) * pivots;
+        }
+    }
+
+    /// Factorises all: gathers the entries of the eliminated grains and what the children left,
+    /// eliminates, and leaves the rest on the stack. Says whether all pivots were positive.
+    pub(super) fn factorise(
+        &self,
+        tree: &Tree,
+        (diagonal, pairs): (&[Block], &[Block]),
+        shift: f64,
+        factors: &mut Vec<f64>,
+        stack: &mut Vec<f64>,
+    ) -> bool {
+        factors.clear();
+        stack.clear();
+        let mut left = self.left.iter();
+        for front in &self.list {
+            let (m, p) = (front.size(), front.pivots());
+            // Eliminated where its factors stay; what it leaves is taken from behind them.
+            debug_assert_eq!(front.at, factors.len());
+            factors.resize(front.at + m * m, 0.0);
+            let dense = &mut factors[front.at..];
+            for (k, &grain) in front.grains(tree)[..p / FREEDOMS].iter().enumerate() {
+                let own = FREEDOMS * k;
+                for a in 0..FREEDOMS {
+                    for b in a..FREEDOMS {
+                        dense[(own + a) * m + own + b] = diagonal[grain as usize][b][a];
+                    }
+                    dense[(own + a) * m + own + a] += shift;
+                }
+            }
+            for entry in &self.entries[front.entries[0] as usize..front.entries[1] as usize] {
+                let block = &pairs[entry.pair as usize];
+                for a in 0..FREEDOMS {
+                    let at = (entry.column as usize + a) * m + entry.row as usize;
+                    for b in 0..FREEDOMS {
+                        let value = if entry.turned { block[a][b] } else { block[b][a] };
+                        dense[at + b] += value;
+                    }
+                }
+            }
+            let mut first = front.places as usize;
+            for coupled in left.by_ref().take(front.node.children as usize) {
+                let next = first + *coupled as usize;
+                gather(&self.places[first..next], stack, dense, m);
+                first = next;
+            }
+            if !dispatch(Eliminate { dense, m, p }) {
+                return false;
+            }
+            for column in p..m {
+                stack.extend_from_slice(&dense[column * m + column..(column + 1) * m]);
+            }
+            factors.truncate(front.at + m * p);
+        }
+        true
+    }
+
+    /// Solves in place for a right side of three numbers a grain.
+    pub(super) fn solve(
+        &self,
+        tree: &Tree,
+        factors: &[f64],
+        right: &mut [f64],
+        local: &mut Vec<f64>,
+    ) {
+        dispatch(Substitute { fronts: &self.list, tree, factors, right, local });
+    }
+
+    /// Memory that its lists hold \[bytes\].
+    pub(super) fn heap_bytes(&self) -> usize {
+        heap::bytes(&self.list)
+            + heap::bytes(&self.entries)
+            + heap::bytes(&self.places)
+            + heap::bytes(&self.left)
     }
 }
 
@@ -45,106 +170,51 @@ impl Front {
     }
 
     fn grains<'a>(&self, tree: &'a Tree) -> &'a [u32] {
-        let Node { first, pivots, coupled, .. } = self.node;
-        &tree.grains[first as usize..(first + pivots + coupled) as usize]
-    }
-
-    /// Gathers the entries of the eliminated grains and what the children left, eliminates, and leaves
-    /// the rest on the stack. Says whether all pivots were positive.
-    pub(super) fn factorise(
-        &mut self,
-        tree: &Tree,
-        (diagonal, pairs): (&[Block], &[Block]),
-        shift: f64,
-        factors: &mut Vec<f64>,
-        stack: &mut Vec<f64>,
-        place: &mut [u32],
-    ) -> bool {
-        let (m, p) = (self.size(), self.pivots());
-        let grains = self.grains(tree);
-        // Eliminated where its factors stay; what it leaves is taken from behind them.
-        debug_assert_eq!(self.at, factors.len());
-        factors.resize(self.at + m * m, 0.0);
-        let dense = &mut factors[self.at..];
-        for (k, &grain) in grains.iter().enumerate() {
-            place[grain as usize] = k as u32;
-        }
-        for (k, &grain) in grains[..p / FREEDOMS].iter().enumerate() {
-            let own = FREEDOMS * k;
-            for a in 0..FREEDOMS {
-                for b in a..FREEDOMS {
-                    dense[(own + a) * m + own + b] += diagonal[grain as usize][b][a];
-                }
-                dense[(own + a) * m + own + a] += shift;
-            }
-            for &(other, entry) in tree.links_of(grain) {
-                if tree.rank[other as usize] < tree.rank[grain as usize] {
-                    continue;
-                }
-                // Column of the pivot, row of the other one; the entry has the smaller grain's row.
-                let (row, block) =
-                    (FREEDOMS * place[other as usize] as usize, &pairs[entry as usize]);
-                for a in 0..FREEDOMS {
-                    for b in 0..FREEDOMS {
-                        let value = if grain < other { block[a][b] } else { block[b][a] };
-                        dense[(own + a) * m + row + b] += value;
-                    }
-                }
-            }
-        }
-        for &child in &self.children {
-            gather(&tree.nodes[child as usize], tree, place, stack, dense, m);
-        }
-        if !dispatch(Eliminate { dense, m, p }) {
-            return false;
-        }
-        for column in p..m {
-            stack.extend_from_slice(&dense[column * m + p..(column + 1) * m]);
-        }
-        factors.truncate(self.at + m * p);
-        debug_assert_eq!(self.leaves, (m - p) * (m - p));
-        true
+        tree.grains_of(&self.node)
     }
 
     /// Forward substitution of this front's part of `right`.
-    pub(super) fn forward(
-        &self,
-        tree: &Tree,
-        factors: &[f64],
-        right: &mut [f64],
-        local: &mut Vec<f64>,
-    ) {
+    #[inline(always)]
+    fn forward(&self, tree: &Tree, factors: &[f64], right: &mut [f64], local: &mut Vec<f64>) {
         let (m, p) = (self.size(), self.pivots());
         self.take(tree, right, local);
-        for column in 0..p {
-            let factor = &factors[self.at + column * m..self.at + (column + 1) * m];
-            let x = local[column] / factor[column];
-            local[column] = x;
-            for (to, l) in local[column + 1..].iter_mut().zip(&factor[column + 1..]) {
-                *to -= l * x;
+        let own = &factors[self.at..self.at + m * p];
+        for (k, columns) in own.chunks_exact(FREEDOMS * m).enumerate() {
+            let first = FREEDOMS * k;
+            let (done, rest) = local[first..].split_at_mut(FREEDOMS);
+            let [a, b, c] = columns_of(columns, m, first);
+            let x = done[0] / a[0];
+            let y = a[1].mul_add(-x, done[1]) / b[1];
+            let z = b[2].mul_add(-y, a[2].mul_add(-x, done[2])) / c[2];
+            done.copy_from_slice(&[x, y, z]);
+            let lower = a[FREEDOMS..].iter().zip(&b[FREEDOMS..]).zip(&c[FREEDOMS..]);
+            for (to, ((a, b), c)) in rest.iter_mut().zip(lower) {
+                *to = c.mul_add(-z, b.mul_add(-y, a.mul_add(-x, *to)));
             }
         }
         self.give(tree, local, right, m);
     }
 
     /// Backward substitution of this front's part of `right`.
-    pub(super) fn backward(
-        &self,
-        tree: &Tree,
-        factors: &[f64],
-        right: &mut [f64],
-        local: &mut Vec<f64>,
-    ) {
+    #[inline(always)]
+    fn backward(&self, tree: &Tree, factors: &[f64], right: &mut [f64], local: &mut Vec<f64>) {
         let (m, p) = (self.size(), self.pivots());
         self.take(tree, right, local);
-        for column in (0..p).rev() {
-            let factor = &factors[self.at + column * m..self.at + (column + 1) * m];
-            let sum = dot(&factor[column + 1..], &local[column + 1..]);
-            local[column] = (local[column] - sum) / factor[column];
+        let own = &factors[self.at..self.at + m * p];
+        for (k, columns) in own.chunks_exact(FREEDOMS * m).enumerate().rev() {
+            let first = FREEDOMS * k;
+            let (done, rest) = local[first..].split_at_mut(FREEDOMS);
+            let [a, b, c] = columns_of(columns, m, first);
+            let [x, y, z] = dots([&a[FREEDOMS..], &b[FREEDOMS..], &c[FREEDOMS..]], rest);
+            let z = (done[2] - z) / c[2];
+            let y = b[2].mul_add(-z, done[1] - y) / b[1];
+            let x = a[1].mul_add(-y, a[2].mul_add(-z, done[0] - x)) / a[0];
+            done.copy_from_slice(&[x, y, z]);
         }
         self.give(tree, local, right, p);
     }
 
+    #[inline(always)]
     fn take(&self, tree: &Tree, right: &[f64], local: &mut Vec<f64>) {
         local.clear();
         for &grain in self.grains(tree) {
@@ -153,6 +223,7 @@ impl Front {
         }
     }
 
+    #[inline(always)]
     fn give(&self, tree: &Tree, local: &[f64], right: &mut [f64], most: usize) {
         for (k, &grain) in self.grains(tree)[..most / FREEDOMS].iter().enumerate() {
             let to = FREEDOMS * grain as usize;
@@ -161,30 +232,24 @@ impl Front {
     }
 }
 
-/// Adds what the child `node` left on top of the stack.
-fn gather(
-    node: &Node,
-    tree: &Tree,
-    place: &[u32],
-    stack: &mut Vec<f64>,
-    dense: &mut [f64],
-    m: usize,
-) {
-    let from = (node.first + node.pivots) as usize;
-    let grains = &tree.grains[from..from + node.coupled as usize];
-    let size = FREEDOMS * grains.len();
-    let left = stack.len() - size * size;
-    for (j, &second) in grains.iter().enumerate() {
-        let column = FREEDOMS * place[second as usize] as usize;
-        for (i, &first) in grains.iter().enumerate().skip(j) {
+/// Adds what a child left on top of the stack, the lower triangle by columns, to `dense`; `places` are
+/// the rows of its grains there.
+fn gather(places: &[u32], stack: &mut Vec<f64>, dense: &mut [f64], m: usize) {
+    let size = FREEDOMS * places.len();
+    let left = stack.len() - size * (size + 1) / 2;
+    let mut rest = &stack[left..];
+    for (j, &column) in places.iter().enumerate() {
+        let column = column as usize;
+        for b in 0..FREEDOMS {
+            let (own, next) = rest.split_at(size - FREEDOMS * j - b);
+            rest = next;
             // Both lists are in the order of elimination: rows stay below columns.
-            let row = FREEDOMS * place[first as usize] as usize;
-            for b in 0..FREEDOMS {
-                let child = left + (FREEDOMS * j + b) * size + FREEDOMS * i;
-                let at = (column + b) * m + row;
-                for a in 0..FREEDOMS {
-                    dense[at + a] += stack[child + a];
-                }
+            let to = &mut dense[(column + b) * m..(column + b + 1) * m];
+            let (diagonal, below) = own.split_at(FREEDOMS - b);
+            to[column + b..column + FREEDOMS].iter_mut().zip(diagonal).for_each(|(to, x)| *to += x);
+            for (block, &row) in below.as_chunks::<FREEDOMS>().0.iter().zip(&places[j + 1..]) {
+                let row = row as usize;
+                to[row..row + FREEDOMS].iter_mut().zip(block).for_each(|(to, x)| *to += x);
             }
         }
     }
@@ -208,7 +273,8 @@ impl Kernel for Eliminate<'_> {
 }
 
 /// Cholesky factors of the first `p` columns of the lower triangle of `dense`, m x m by columns, and the
-/// Schur complement in the rest. Says whether all pivots were positive.
+/// Schur complement in the rest; what is above the diagonal is of no use then. Says whether all pivots
+/// were positive.
 #[inline(always)]
 fn eliminate(dense: &mut [f64], m: usize, p: usize) -> bool {
     let mut from = 0;
@@ -216,63 +282,114 @@ fn eliminate(dense: &mut [f64], m: usize, p: usize) -> bool {
         let to = (from + PANEL).min(p);
         for column in from..to {
             let (done, rest) = dense.split_at_mut(column * m);
-            let own = &mut rest[..m];
-            for before in from..column {
-                let l = &done[before * m..(before + 1) * m];
-                let x = l[column];
-                for (to, l) in own[column..].iter_mut().zip(&l[column..]) {
-                    *to -= l * x;
-                }
+            let own = &mut rest[column..m];
+            for before in done[from * m..].chunks_exact(m) {
+                let l = &before[column..];
+                let x = l[0];
+                own.iter_mut().zip(l).for_each(|(to, l)| *to = l.mul_add(-x, *to));
             }
-            let pivot = own[column];
+            let pivot = own[0];
             if pivot.is_nan() || pivot <= 0.0 {
                 return false;
             }
             let root = pivot.sqrt();
-            own[column..].iter_mut().for_each(|entry| *entry /= root);
+            let over = 1.0 / root;
+            own[0] = root;
+            own[1..].iter_mut().for_each(|entry| *entry *= over);
         }
         let (done, rest) = dense.split_at_mut(to * m);
         let panel = &done[from * m..];
-        for (column, own) in rest.chunks_exact_mut(m).enumerate().map(|(k, own)| (to + k, own)) {
-            update(panel, to - from, m, column, &mut own[column..]);
+        match to - from {
+            PANEL => update::<PANEL>(panel, m, to, rest),
+            _ => update::<FREEDOMS>(panel, m, to, rest),
         }
         from = to;
     }
     true
 }
 
-/// Subtracts from `own`, the rows of `column` from the diagonal on, what the columns of `panel` do to it.
+/// Subtracts from `rest`, the columns from `first` on, what the `WIDTH` columns of `panel` do to them;
+/// the columns of one grain at a time, so that what is in registers serves several times.
 #[inline(always)]
-fn update(panel: &[f64], width: usize, m: usize, column: usize, own: &mut [f64]) {
-    let rows = |k: usize| &panel[k * m + column..(k + 1) * m];
-    if width == PANEL {
-        let [a, b, c, d, e, f] = std::array::from_fn(rows);
-        let [wa, wb, wc, wd, we, wf] = [a[0], b[0], c[0], d[0], e[0], f[0]];
-        let lists = a.iter().zip(b).zip(c).zip(d).zip(e).zip(f);
-        for (to, (((((a, b), c), d), e), f)) in own.iter_mut().zip(lists) {
-            *to -= (a * wa + b * wb) + (c * wc + d * wd) + (e * we + f * wf);
+fn update<const WIDTH: usize>(panel: &[f64], m: usize, first: usize, rest: &mut [f64]) {
+    for (k, columns) in rest.chunks_exact_mut(FREEDOMS * m).enumerate() {
+        let column = first + FREEDOMS * k;
+        let rows: [&[f64]; WIDTH] = std::array::from_fn(|k| &panel[k * m + column..(k + 1) * m]);
+        let factor = rows.map(|row| [row[0], row[1], row[2]]);
+        let (a, others) = columns.split_at_mut(m);
+        let (b, c) = others.split_at_mut(m);
+        let [(a, a_rest), (b, b_rest), (c, c_rest)] =
+            [a, b, c].map(|own| own[column..].as_chunks_mut::<WIDE>());
+        let mut at = 0;
+        for ((a, b), c) in a.iter_mut().zip(b).zip(c) {
+            let mut sums = [*a, *b, *c];
+            for (row, factor) in rows.iter().zip(&factor) {
+                let l = &row[at..at + WIDE];
+                for (sum, factor) in sums.iter_mut().zip(factor) {
+                    sum.iter_mut().zip(l).for_each(|(to, l)| *to = l.mul_add(-factor, *to));
+                }
+            }
+            [*a, *b, *c] = sums;
+            at += WIDE;
         }
-        return;
-    }
-    for k in 0..width {
-        let l = rows(k);
-        let x = l[0];
-        for (to, l) in own.iter_mut().zip(l) {
-            *to -= l * x;
+        for ((a, b), c) in a_rest.iter_mut().zip(b_rest).zip(c_rest) {
+            for (row, factor) in rows.iter().zip(&factor) {
+                let l = row[at];
+                *a = l.mul_add(-factor[0], *a);
+                *b = l.mul_add(-factor[1], *b);
+                *c = l.mul_add(-factor[2], *c);
+            }
+            at += 1;
         }
     }
 }
 
-/// Sum of products in four parts, which a processor can add up side by side.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut parts = [0.0; 4];
-    let (fours, rest) = a.as_chunks::<4>();
-    let (other_fours, other_rest) = b.as_chunks::<4>();
-    for (a, b) in fours.iter().zip(other_fours) {
-        for (part, (a, b)) in parts.iter_mut().zip(a.iter().zip(b)) {
-            *part += a * b;
+/// The columns of one grain, from the row of its first pivot on.
+#[inline(always)]
+fn columns_of(columns: &[f64], m: usize, first: usize) -> [&[f64]; FREEDOMS] {
+    std::array::from_fn(|k| &columns[k * m + first..(k + 1) * m])
+}
+
+/// Products of three columns with `right`, in parts that a processor can add up side by side.
+#[inline(always)]
+fn dots(columns: [&[f64]; FREEDOMS], right: &[f64]) -> [f64; FREEDOMS] {
+    let (right, right_rest) = right.as_chunks::<WIDE>();
+    let [a, b, c] = columns.map(|column| column.as_chunks::<WIDE>());
+    let mut sums = [[0.0; WIDE]; FREEDOMS];
+    for (((a, b), c), x) in a.0.iter().zip(b.0).zip(c.0).zip(right) {
+        for (sum, l) in sums.iter_mut().zip([a, b, c]) {
+            sum.iter_mut()
+                .zip(l.iter().zip(x))
+                .for_each(|(sum, (l, x))| *sum = l.mul_add(*x, *sum));
         }
     }
-    let rest: f64 = rest.iter().zip(other_rest).map(|(a, b)| a * b).sum();
-    (parts[0] + parts[1]) + (parts[2] + parts[3]) + rest
+    let mut dots = sums.map(|[a, b, c, d]| (a + b) + (c + d));
+    for (dot, rest) in dots.iter_mut().zip([a.1, b.1, c.1]) {
+        rest.iter().zip(right_rest).for_each(|(l, x)| *dot = l.mul_add(*x, *dot));
+    }
+    dots
+}
+
+/// Substitution, forward and backward, with the instructions of the machine.
+struct Substitute<'a> {
+    fronts: &'a [Front],
+    tree: &'a Tree,
+    factors: &'a [f64],
+    right: &'a mut [f64],
+    local: &'a mut Vec<f64>,
+}
+
+impl Kernel for Substitute<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) {
+        let Self { fronts, tree, factors, right, local } = self;
+        for front in fronts {
+            front.forward(tree, factors, right, local);
+        }
+        for front in fronts.iter().rev() {
+            front.backward(tree, factors, right, local);
+        }
+    }
 }

@@ -4,6 +4,21 @@ use crate::heap;
 
 /// A piece of at most this many grains is not cut further.
 const LEAF: usize = 6;
+/// How far from the middle a piece may be cut, over its grains.
+const ASKEW: f64 = 0.2;
+/// Place of a grain that is not of the piece.
+const ELSEWHERE: u32 = u32::MAX;
+
+/// A cut of a piece in two, between grains sorted along an axis.
+#[derive(Clone, Copy, Debug)]
+struct Cut {
+    /// First grain behind it.
+    at: usize,
+    /// Whether those behind it part the halves, or those before it.
+    from_far: bool,
+    /// How many part them, and more where the halves differ.
+    cost: f64,
+}
 
 /// Grains that are eliminated together, and the later ones that this couples.
 #[derive(Clone, Debug, Default)]
@@ -49,8 +64,8 @@ impl Tree {
         self.rank.clear();
         self.rank.resize(n, 0);
         let mut pieces: Vec<(Vec<u32>, u32)> = Vec::new();
-        let mut side = vec![0; n];
-        self.dissect((0..n as u32).collect(), position, &mut side, &mut 0, &mut pieces);
+        let mut place = vec![ELSEWHERE; n];
+        self.dissect((0..n as u32).collect(), position, &mut place, &mut pieces);
         let mut rank = 0;
         for (pivots, _) in &pieces {
             for &grain in pivots {
@@ -101,20 +116,25 @@ impl Tree {
         more.iter().zip(second.len()..).for_each(|(&(i, j), entry)| put(i, j, entry));
     }
 
+    /// Grains of `node`: those that it eliminates, then those that it couples.
+    pub(super) fn grains_of(&self, node: &Node) -> &[u32] {
+        let first = node.first as usize;
+        &self.grains[first..first + (node.pivots + node.coupled) as usize]
+    }
+
     /// The pairs of a grain: the other one, and the entry of the list.
     pub(super) fn links_of(&self, grain: u32) -> &[(u32, u32)] {
         let i = grain as usize;
         &self.links[self.start[i] as usize..self.start[i + 1] as usize]
     }
 
-    /// Cuts `piece` in two along its longer side, leaves a line of grains between the halves, and adds
-    /// the pieces to `pieces`, each with the number of its children. Says how many it added at the top.
+    /// Cuts `piece` in two, leaves a line of grains between the halves, and adds the pieces to `pieces`,
+    /// each with the number of its children. Says how many it added at the top.
     fn dissect(
         &self,
         mut piece: Vec<u32>,
         position: &[[f64; 2]],
-        side: &mut [u32],
-        mark: &mut u32,
+        place: &mut [u32],
         pieces: &mut Vec<(Vec<u32>, u32)>,
     ) -> u32 {
         if piece.len() <= LEAF {
@@ -124,30 +144,73 @@ impl Tree {
             pieces.push((piece, 0));
             return 1;
         }
-        let extent = |axis: usize| {
-            let along = piece.iter().map(|&i| position[i as usize][axis]);
-            let (low, high) = along.fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(x), h.max(x)));
-            high - low
-        };
-        let axis = usize::from(extent(1) > extent(0));
+        let along = self.best_cut(&mut piece, 1, position, place);
+        let mut cut = self.best_cut(&mut piece, 0, position, place);
+        if along.cost < cut.cost {
+            cut = self.best_cut(&mut piece, 1, position, place);
+        }
+        let far = piece.split_off(cut.at);
+        // Grains of one half that touch the other part the two.
+        let (near, other) = if cut.from_far { (far, piece) } else { (piece, far) };
+        let (between, near): (Vec<u32>, Vec<u32>) = near.into_iter().partition(|&grain| {
+            let mut places = self.links_of(grain).iter().map(|&(other, _)| place[other as usize]);
+            places.any(|at| at != ELSEWHERE && (at as usize >= cut.at) != cut.from_far)
+        });
+        for &grain in between.iter().chain(&near).chain(&other) {
+            place[grain as usize] = ELSEWHERE;
+        }
+        let children = self.dissect(near, position, place, pieces)
+            + self.dissect(other, position, place, pieces);
+        if between.is_empty() {
+            return children;
+        }
+        pieces.push((between, children));
+        1
+    }
+
+    /// The best cut of `piece` across `axis`, which sorts it along that and writes down the places.
+    fn best_cut(
+        &self,
+        piece: &mut [u32],
+        axis: usize,
+        position: &[[f64; 2]],
+        place: &mut [u32],
+    ) -> Cut {
         piece.sort_unstable_by(|&a, &b| {
             position[a as usize][axis].total_cmp(&position[b as usize][axis]).then(a.cmp(&b))
         });
-        let high = piece.split_off(piece.len() / 2);
-        *mark += 1;
-        let upper = *mark;
-        high.iter().for_each(|&grain| side[grain as usize] = upper);
-        // Grains of the lower half that touch the upper one part the two.
-        let (between, low): (Vec<u32>, Vec<u32>) = piece.into_iter().partition(|&grain| {
-            self.links_of(grain).iter().any(|&(other, _)| side[other as usize] == upper)
-        });
-        let below = self.dissect(low, position, side, mark, pieces);
-        let above = self.dissect(high, position, side, mark, pieces);
-        if between.is_empty() {
-            return below + above;
+        let count = piece.len();
+        for (k, &grain) in piece.iter().enumerate() {
+            place[grain as usize] = k as u32;
         }
-        pieces.push((between, below + above));
-        1
+        // By how much the grains before and behind a cut that touch across it are more than at the last.
+        let mut more = vec![[0_i32; 2]; count + 1];
+        for (k, &grain) in piece.iter().enumerate() {
+            let places = self.links_of(grain).iter().map(|&(other, _)| place[other as usize]);
+            let (first, last) = places
+                .filter(|at| *at != ELSEWHERE)
+                .fold((k, k), |(low, high), at| (low.min(at as usize), high.max(at as usize)));
+            more[k + 1][0] += 1;
+            more[last + 1][0] -= 1;
+            more[first + 1][1] += 1;
+            more[k + 1][1] -= 1;
+        }
+        let mut best = Cut { at: count / 2, from_far: false, cost: f64::INFINITY };
+        let mut touching = [0; 2];
+        for (at, more) in more.iter().enumerate() {
+            touching = [touching[0] + more[0], touching[1] + more[1]];
+            let askew = (at as f64 / count as f64 - 0.5).abs();
+            if askew > ASKEW || at == 0 || at == count {
+                continue;
+            }
+            for (from_far, touching) in [false, true].into_iter().zip(touching) {
+                let cost = f64::from(touching) * (1.0 + (2.0 * askew).powi(2));
+                if cost < best.cost {
+                    best = Cut { at, from_far, cost };
+                }
+            }
+        }
+        best
     }
 
     /// Finds what each elimination couples: the later ones among the neighbours of its grains, and those

@@ -24,6 +24,15 @@ pub struct Changes {
     pub excess: f64,
 }
 
+impl Changes {
+    /// Counts those of `next` as well.
+    pub(crate) fn add(&mut self, next: Self) {
+        self.opened += next.opened;
+        self.formed += next.formed;
+        self.excess = self.excess.max(next.excess);
+    }
+}
+
 impl Reference {
     /// Writes what the contacts carry in `balance`, the one of `state`, into its memory and
     /// ledger. Contacts that opened lose their load, new ones have none.
