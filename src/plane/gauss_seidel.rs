@@ -2,11 +2,12 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::advance;
 use super::balance::{Act, Balance, Scenery, own_block};
 use super::boundary::{self, SIDES};
 use super::floating;
 use super::matrix::FREEDOMS;
-use super::newton::residual;
+use super::newton::{self, residual};
 use super::work::Workspace;
 use crate::contact::Other;
 use crate::contact::neighbours::Neighbours;
@@ -108,6 +109,42 @@ pub(super) fn relax(
     }
 }
 
+/// Takes so many `sweeps` and leaves out of balance what then is, as B does: the outcome counts as an
+/// equilibrium. Contacts that open lose their shear, and limits of friction are renewed, after each.
+pub(super) fn sweeps(
+    model: &Model,
+    state: &mut State,
+    work: &mut Workspace,
+    near: &mut Neighbours,
+    sweeps: u32,
+) -> Outcome {
+    let current = advance::limits_are_current(model);
+    work.search.concave = false;
+    work.floating.begin(model.len());
+    let mut adjacency = std::mem::take(&mut work.adjacency);
+    for k in 0..sweeps {
+        if work.refresh(model, state, near) || k == 0 {
+            adjacency.build(&work.reference, model.len());
+        }
+        sweep(model, state, work, &adjacency);
+        yield_to_loads(model, state, work);
+        newton::open(model, state, work);
+        if current {
+            advance::renew_limits(model, state, work);
+        }
+    }
+    work.adjacency = adjacency;
+    work.refresh(model, state, near);
+    work.evaluate(model, state);
+    work.balance.evaluations += u64::from(sweeps);
+    if floating::drop_loose(model, state, work) | floating::rejoin(model, state, work) {
+        work.evaluate(model, state);
+    }
+    let residual = residual(model, work);
+    let status = if residual.is_finite() { Status::Converged } else { Status::NonFinite };
+    Outcome { status, iterations: sweeps, residual, sums: work.balance.sums, ..Outcome::NONE }
+}
+
 /// Brings every grain to its own equilibrium, one after the other.
 fn sweep(model: &Model, state: &State, work: &mut Workspace, adjacency: &Adjacency) {
     let Some(setup) = &model.plane else { return };
@@ -135,7 +172,12 @@ fn sweep(model: &Model, state: &State, work: &mut Workspace, adjacency: &Adjacen
                         (joint, scenery.edge(joint, pose))
                     }
                 };
-                let Some(act) = act else { continue };
+                let Some(mut act) = act else { continue };
+                if model.solver.sweeps.is_some() && act.normal.force > 0.0 {
+                    // The thesis takes the secant (5), two thirds of Hertz' stiffness: an over-relaxed
+                    // step. It matters where sweeps do not end in an equilibrium.
+                    act.normal.stiffness = act.normal.force / act.overlap;
+                }
                 let first = joint.first as usize == i;
                 let (sign, arm) = if first { (1.0, joint.arm[0]) } else { (-1.0, joint.arm[1]) };
                 let push = act.force() * sign;

@@ -28,6 +28,11 @@ pub(super) fn check(scene: &Scene, problems: &mut Problems) {
                 "only discs are glued; allowed: false, or `dimension: 2`",
             );
         }
+        if scene.solver.sweeps.is_some() {
+            let text =
+                "spheres are brought to equilibrium; allowed: no such key, or `dimension: 2`";
+            not(at.key("solver").key("sweeps"), text);
+        }
         if scene.pack.generate.as_ref().is_some_and(|spec| spec.compaction_friction != 0.0) {
             let text = "spheres are compacted without friction; allowed: 0, or `dimension: 2`";
             not(at.key("pack").key("generate").key("compaction_friction"), text);
@@ -36,6 +41,10 @@ pub(super) fn check(scene: &Scene, problems: &mut Problems) {
     }
     if scene.walls.glue && scene.solver.method == Method::GaussSeidel {
         let text = "gauss_seidel moves grains one by one; allowed with walls.glue: newton";
+        not(at.key("solver").key("method"), text);
+    }
+    if scene.solver.sweeps.is_some() && scene.solver.method != Method::GaussSeidel {
+        let text = "counts the sweeps of another method; allowed with it: gauss_seidel";
         not(at.key("solver").key("method"), text);
     }
     if matches!(scene.contact.normal, Normal::Cement(_)) {

@@ -30,6 +30,11 @@ pub struct Solver {
     /// [`Method::max_iterations`] says.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_iterations: Option<u32>,
+    /// Sweeps of `gauss_seidel` over discs with which an increment ends, whatever is out of balance then,
+    /// 1 to 10 million (B table 1, n_i). The walls do not take the grains along before the first one.
+    /// Without it an increment ends with an equilibrium.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sweeps: Option<u32>,
     /// Longest step of a grain over its radius, 1e-4 to 0.5; for all methods but Newton's, which
     /// measures its steps in overlaps.
     pub step_cap: f64,
@@ -45,6 +50,7 @@ impl Default for Solver {
             max_strain_increment: 1.0e-4,
             max_overlap_share: 0.05,
             max_iterations: None,
+            sweeps: None,
             step_cap: 1.0e-2,
             damping: 0.7,
         }
@@ -79,6 +85,9 @@ impl Solver {
         );
         if let Some(iterations) = self.max_iterations {
             problems.count(at.key("max_iterations"), u64::from(iterations), 1, 10_000_000);
+        }
+        if let Some(sweeps) = self.sweeps {
+            problems.count(at.key("sweeps"), u64::from(sweeps), 1, 10_000_000);
         }
         problems.number(at.key("step_cap"), self.step_cap, "1e-4 <= step_cap <= 0.5", |cap| {
             (1e-4..=0.5).contains(&cap)

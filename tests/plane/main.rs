@@ -23,4 +23,5 @@ mod points;
 mod rescale;
 mod samples;
 mod shear;
+mod sweeps;
 mod threads;

@@ -299,6 +299,7 @@ fn solver() -> impl Strategy<Value = Solver> {
             max_strain_increment,
             max_overlap_share,
             max_iterations: steps.0,
+            sweeps: None,
             step_cap: steps.1,
             damping: steps.2,
         },

@@ -109,6 +109,7 @@ pub(crate) fn run(seeds: &[u64]) {
     let loose: Vec<Pack> = seeds.iter().map(|&seed| pack(seed, 0.6, PRESSURES[0])).collect();
     compression(&dense);
     pressures(seeds, &dense);
+    swept(&dense);
     densities(&dense, &loose);
     frictions(&dense);
     rotations(&dense[0]);
@@ -186,6 +187,10 @@ fn row(name: &str, packs: &[Pack], friction: &str) {
             Biaxial::of(&biaxial(pack, PRESSURES[0], friction, "free", STRAIN), PRESSURES[0])
         })
         .collect();
+    print(name, &tests);
+}
+
+fn print(name: &str, tests: &[Biaxial]) {
     let all = |of: fn(&Biaxial) -> f64, digits| spread(tests.iter().map(of), digits);
     println!(
         "| {name} | {} | {} | {} | {} | {} | {} |",
@@ -196,6 +201,26 @@ fn row(name: &str, packs: &[Pack], friction: &str) {
         all(|t| t.contacts[0], 2),
         all(|t| t.contacts[1], 2),
     );
+}
+
+/// The tests at 1 bar as B does them: increments end with so many sweeps and no equilibrium (2.3).
+fn swept(dense: &[Pack]) {
+    println!("\nSweeps in an increment, dense, σ3 = 1 bar (B table 1 has 20):\n");
+    println!(
+        "| sweeps | φ' peak [°] | φ' beyond 2 % [°] | ψ [°] | E50 [MPa] | contacts a grain | beyond 2 % |"
+    );
+    println!("| --- | --- | --- | --- | --- | --- | --- |");
+    for sweeps in [20, 50] {
+        let contact = "{friction: {coefficient: 0.6, update: current}}";
+        let solver = format!("method: gauss_seidel, sweeps: {sweeps}");
+        let loaded = scene("  file: none.csv", contact, &solver);
+        let test = |pack| {
+            let course = Rig::new(&loaded.scene, pack)
+                .press(Some(PRESSURES[0]), |course| course.strain() >= STRAIN - 1e-9);
+            Biaxial::of(&course, PRESSURES[0])
+        };
+        print(&sweeps.to_string(), &dense.iter().map(test).collect::<Vec<_>>());
+    }
 }
 
 /// Table 6 and the right half of figure 22.

@@ -105,6 +105,7 @@ fn making(scene: &Scene, goal: &Goal) -> Scene {
     making.reference = None;
     making.solver.method = Method::Newton;
     making.solver.max_iterations = None;
+    making.solver.sweeps = None;
     making.solver.tolerance *= TIGHTER;
     making.node = Node::default();
     making
