@@ -10,7 +10,7 @@ use crate::model::Model;
 use crate::state::State;
 
 /// Contacts below this share of the mean force hold nobody.
-const FAINT: f64 = 1e-7;
+const FAINT: f64 = 1e-9;
 /// Contacts that a grain needs: without friction two forces balance only face to face.
 const SUPPORTS: u32 = 2;
 /// Sweeps in which floating grains are moved out of others, and the overlap that may be left over the

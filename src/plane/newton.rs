@@ -51,8 +51,10 @@ const RELEASED: std::ops::Range<f64> = 0.185..0.2;
 /// Steps before a relaxation is given up, where the scene does not say: from grains that hardly touch to a
 /// dense pack without friction takes some hundreds.
 const MOST_STEPS: u32 = 5000;
-/// Residual below which contacts that are open stay open.
+/// Residual below which a minimum is near.
 const NEAR: f64 = 1e-5;
+/// Residual below which contacts that are open stay open.
+const OPENS: f64 = 1e-3;
 /// Steps without a smaller residual after which rounding is what is left, and the residual from which on
 /// that may be so.
 const ROUNDED: f64 = 1e-6;
@@ -189,7 +191,7 @@ pub(super) fn relax(
         }
         let dropped = floating::drop_loose(model, state, work);
         // A grain that nothing but the shear of an open contact pulls at would have no balance.
-        let opened = outcome.residual < NEAR && open(model, state, work);
+        let opened = outcome.residual < OPENS && open(model, state, work);
         if floating::rejoin(model, state, work) || dropped || opened {
             work.evaluate(model, state);
             // Another balance: the way down begins anew.
