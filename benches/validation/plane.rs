@@ -1,12 +1,16 @@
-//! Sand, sandstone and a crystal of discs (B chapters 3 to 5): tables 3, 4, 6 and 9 to 11, and what
+//! Sand, sandstone and a crystal of discs (B chapters 3 to 5): tables 3, 4, 6 and 9 to 13, and what
 //! figures 13 to 20, 34 and 52 say in numbers.
 
+mod bend;
 mod crystal;
+mod cylinder;
 mod rig;
 mod sand;
 mod sandstone;
 
+pub(crate) use bend::run as bend;
 pub(crate) use crystal::run as crystal;
+pub(crate) use cylinder::run as cylinder;
 pub(crate) use sand::run as sand;
 pub(crate) use sandstone::run as sandstone;
 

@@ -16,10 +16,15 @@ use crate::specimen::TOLERANCE;
 
 /// The scene with these lines in its `pack`, and its `contact` and keys of its `solver`.
 pub(crate) fn scene(pack: &str, contact: &str, solver: &str) -> Loaded {
+    surrounded(pack, "friction: 0.0", contact, solver)
+}
+
+/// The same with these keys of its `walls`.
+pub(crate) fn surrounded(pack: &str, walls: &str, contact: &str, solver: &str) -> Loaded {
     let text = format!(
         "dimension: 2\n\
          materials: {{sand: {{young: 2.32e9, poisson: 0.16, density: 2650.0}}}}\n\
-         pack:\n{pack}\nwalls: {{friction: 0.0}}\ncontact: {contact}\n\
+         pack:\n{pack}\nwalls: {{{walls}}}\ncontact: {contact}\n\
          solver: {{tolerance: {TOLERANCE:e}, {solver}}}\n"
     );
     let scene = scene::parse(&text, Path::new("validation.yaml")).expect("the scene is right");
@@ -81,6 +86,11 @@ impl Rig {
     }
 
     fn ask(&mut self, targets: [WallTarget; wall::COUNT]) -> Report {
+        self.go(targets, Demand { state: true, cracks: true, ..Demand::NONE })
+    }
+
+    /// Brings the sides to `targets` and measures what `demand` names.
+    pub(crate) fn go(&mut self, targets: [WallTarget; wall::COUNT], demand: Demand) -> Report {
         self.sequence += 1;
         let command = Command {
             stamp: Stamp::default(),
@@ -90,8 +100,7 @@ impl Rig {
             ask: Ask::Targets(targets),
             age: None,
         };
-        let report =
-            self.twin.apply(&command, Demand { state: true, cracks: true, ..Demand::NONE });
+        let report = self.twin.apply(&command, demand);
         if let Some(state) = report.measures.as_ref().and_then(|measures| measures.state) {
             self.last = state;
         }
