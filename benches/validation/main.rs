@@ -4,7 +4,7 @@
 //! Writes the figures of `docs/validation.md` into `docs/images` and prints its tables. Seeds as
 //! arguments take the place of the default ones: `-- 4 5`, and names of parts select them:
 //! `-- network` (the force network), `-- events`, `-- cement`, `-- two_step`, `-- hydrates`,
-//! `-- moduli`, `-- samples` (packs of discs), `-- sand`, `-- sandstone`, `-- cylinder`, `-- bend`,
+//! `-- moduli`, `-- samples` (packs of discs), `-- sand`, `-- unconfined`, `-- sandstone`, `-- cylinder`, `-- bend`,
 //! `-- crystal`, `-- simple_shear`.
 //! One thread; takes minutes.
 #![allow(clippy::print_stdout, clippy::expect_used)] // A bench prints, and ends when a step fails.
@@ -36,7 +36,7 @@ use runs::Sample;
 const SEEDS: [u64; 3] = [1, 2, 3];
 
 /// Parts that can be selected.
-const PARTS: [&str; 13] = [
+const PARTS: [&str; 14] = [
     "moduli",
     "network",
     "events",
@@ -45,6 +45,7 @@ const PARTS: [&str; 13] = [
     "hydrates",
     "samples",
     "sand",
+    "unconfined",
     "sandstone",
     "cylinder",
     "bend",
@@ -96,6 +97,9 @@ fn main() {
     }
     if selected("sand") {
         pool.install(|| plane::sand(&seeds));
+    }
+    if selected("unconfined") {
+        pool.install(|| plane::unconfined(&seeds));
     }
     if selected("sandstone") {
         pool.install(|| plane::sandstone(&seeds));

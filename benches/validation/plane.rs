@@ -7,12 +7,14 @@ mod cylinder;
 mod rig;
 mod sand;
 mod sandstone;
+mod unconfined;
 
 pub(crate) use bend::run as bend;
 pub(crate) use crystal::run as crystal;
 pub(crate) use cylinder::run as cylinder;
 pub(crate) use sand::run as sand;
 pub(crate) use sandstone::run as sandstone;
+pub(crate) use unconfined::run as unconfined;
 
 /// Axial strain of an increment (B tables 1 and 8).
 const INCREMENT: f64 = 4.0e-5;

@@ -51,7 +51,8 @@ struct Test {
     /// radius than to the circle, so that the crack lies along the surface.
     pulled: f64,
     along_surface: f64,
-    /// Share of the cracks until failure, and until breakout, in the half of the plane about the y-axis.
+    /// Share of the cracks until failure, and until breakout, that are nearer to the x-axis through the hole
+    /// than to the y-axis.
     opposite: [f64; 2],
     /// Pressure over the strain of the outer radius, at first \[Pa\].
     stiffness: f64,
@@ -61,7 +62,7 @@ struct Test {
 pub(crate) fn run(seeds: &[u64]) {
     println!("\nThick-walled cylinders (B table 12), pressures in MPa:\n");
     println!(
-        "| grains | grading | along x | by (36) | by (37) | first crack | failure | breakout | broken then [%] | pulled | along the surface | above and below the hole, at failure | at breakout | dP/dε [GPa] |"
+        "| grains | grading | along x | by (36) | by (37) | first crack | failure | breakout | broken then [%] | pulled | along the surface | left and right of the hole, at failure | at breakout | dP/dε [GPa] |"
     );
     println!(
         "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |"
@@ -191,8 +192,8 @@ fn breaks_out(bonds: &Bonds, grains: &Grains, inner: f64) -> bool {
     })
 }
 
-/// Share of `cracks` that lie nearer to the y-axis through the hole than to the x-axis.
+/// Share of `cracks` that lie nearer to the x-axis through the hole than to the y-axis.
 fn opposite(cracks: &[Crack]) -> f64 {
-    let upright = cracks.iter().filter(|crack| crack.position[1].abs() > crack.position[0].abs());
-    upright.count() as f64 / cracks.len() as f64
+    let aside = cracks.iter().filter(|crack| crack.position[0].abs() > crack.position[1].abs());
+    aside.count() as f64 / cracks.len() as f64
 }

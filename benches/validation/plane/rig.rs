@@ -45,7 +45,8 @@ pub(crate) struct Rig {
     volume: f64,
     /// The last equilibrium.
     pub(crate) last: PackState,
-    /// Inward displacement of the platens \[m\].
+    /// Inward displacement of the side walls and of the platens \[m\].
+    sides: [f64; 2],
     travel: [f64; 2],
 }
 
@@ -82,7 +83,15 @@ impl Rig {
         assert_eq!(report.disposition, Disposition::Applied, "{}", report.text);
         let last = report.measures.and_then(|measures| measures.state).expect("it was asked for");
         let height = pack.bounds.sides()[1];
-        Self { twin, sequence: 0, height, volume: pack.bounds.volume(), last, travel: [0.0; 2] }
+        Self {
+            twin,
+            sequence: 0,
+            height,
+            volume: pack.bounds.volume(),
+            last,
+            sides: [0.0; 2],
+            travel: [0.0; 2],
+        }
     }
 
     fn ask(&mut self, targets: [WallTarget; wall::COUNT]) -> Report {
@@ -114,6 +123,7 @@ impl Rig {
         let report = self.ask([side, side, side, side, keep, keep]);
         assert_eq!(report.disposition, Disposition::Applied, "{}", report.text);
         let measures = report.measures.expect("it was served");
+        self.sides = [0, 1].map(|side| measures.walls.displacement[side]);
         self.travel = [2, 3].map(|side| measures.walls.displacement[side]);
     }
 
@@ -128,12 +138,14 @@ impl Rig {
         let start = self.last;
         course.density = contact::density(f64::from(start.contacts), DIAMETER, self.volume);
         course.take(&start, &start);
-        let side = lateral.map_or(WallTarget::Keep, WallTarget::Stress);
+        // A wall that carries a load keeps it unless it is asked to stand.
+        let [left, right] =
+            self.sides.map(|at| lateral.map_or(WallTarget::Displacement(at), WallTarget::Stress));
         let keep = WallTarget::Keep;
         while !end(&course) {
             self.travel = self.travel.map(|travel| travel + 0.5 * INCREMENT * self.height);
             let [low, high] = self.travel.map(WallTarget::Displacement);
-            let report = self.ask([side, side, low, high, keep, keep]);
+            let report = self.ask([left, right, low, high, keep, keep]);
             if report.disposition != Disposition::Applied {
                 println!("    {:?}: {}", report.disposition, report.text);
                 course.whole = false;

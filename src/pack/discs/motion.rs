@@ -28,7 +28,7 @@ const MOST_STEPS: u32 = 400_000;
 /// Overlap over mean radius at which discs gather, and what the stress is divided by in each stage of relief
 /// from there, at most. Discs that overlap less are near to where nothing holds them: they rearrange for
 /// long before they come to rest under a rising stress, and stay where they are under a falling one.
-const GATHERED: f64 = 4e-4;
+const GATHERED: f64 = 2e-3;
 const RELIEF: f64 = 8.0;
 /// Mean contact force over stress and squared mean radius: 2σV/(n_c d̄) of 2 contacts a grain.
 const FORCE_PER_STRESS: f64 = 4.2;
