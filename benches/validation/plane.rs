@@ -29,7 +29,7 @@ const POISSON: f64 = 0.16;
 /// where a test did not come so far.
 fn spread(values: impl IntoIterator<Item = f64>, digits: usize) -> String {
     let values: Vec<f64> = values.into_iter().collect();
-    if values.iter().any(|value| value.is_nan()) {
+    if values.is_empty() || values.iter().any(|value| value.is_nan()) {
         return "-".into();
     }
     let mean = values.iter().sum::<f64>() / values.len() as f64;

@@ -36,6 +36,11 @@ pub(crate) fn made(loaded: &Loaded) -> Pack {
     pack::build(loaded).expect("the pack is found")
 }
 
+/// The pack of a scene, or nothing where it does not come to rest.
+pub(crate) fn made_if(loaded: &Loaded) -> Option<Pack> {
+    pack::build(loaded).map_err(|error| println!("    {error}")).ok()
+}
+
 /// A sample between its walls.
 pub(crate) struct Rig {
     twin: Twin,
