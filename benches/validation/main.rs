@@ -4,7 +4,8 @@
 //! Writes the figures of `docs/validation.md` into `docs/images` and prints its tables. Seeds as
 //! arguments take the place of the default ones: `-- 4 5`, and names of parts select them:
 //! `-- network` (the force network), `-- events`, `-- cement`, `-- two_step`, `-- hydrates`,
-//! `-- moduli`, `-- samples` (packs of discs), `-- sand`, `-- sandstone`, `-- crystal`, `-- simple_shear`.
+//! `-- moduli`, `-- samples` (packs of discs), `-- sand`, `-- unconfined`, `-- sandstone`, `-- cylinder`, `-- bend`,
+//! `-- crystal`, `-- simple_shear`.
 //! One thread; takes minutes.
 #![allow(clippy::print_stdout, clippy::expect_used)] // A bench prints, and ends when a step fails.
 
@@ -35,7 +36,7 @@ use runs::Sample;
 const SEEDS: [u64; 3] = [1, 2, 3];
 
 /// Parts that can be selected.
-const PARTS: [&str; 11] = [
+const PARTS: [&str; 14] = [
     "moduli",
     "network",
     "events",
@@ -44,7 +45,10 @@ const PARTS: [&str; 11] = [
     "hydrates",
     "samples",
     "sand",
+    "unconfined",
     "sandstone",
+    "cylinder",
+    "bend",
     "crystal",
     "simple_shear",
 ];
@@ -94,8 +98,17 @@ fn main() {
     if selected("sand") {
         pool.install(|| plane::sand(&seeds));
     }
+    if selected("unconfined") {
+        pool.install(|| plane::unconfined(&seeds));
+    }
     if selected("sandstone") {
         pool.install(|| plane::sandstone(&seeds));
+    }
+    if selected("cylinder") {
+        pool.install(|| plane::cylinder(&seeds));
+    }
+    if selected("bend") {
+        pool.install(|| plane::bend(&seeds));
     }
     if selected("crystal") {
         pool.install(plane::crystal);

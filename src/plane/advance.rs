@@ -40,6 +40,11 @@ pub fn settle(
 ) -> Advance {
     work.jumps.clear();
     loads::wrap(model, state);
+    if state.bonds.is_empty() {
+        // The walls that the pack was made between may not be there any more: what touched sticks.
+        near.refresh(model, &state.position, &state.bounds(model));
+        crack::deposit(model, state, near);
+    }
     work.begin(model, state, near, true);
     for membrane in &work.membranes {
         state.outline[membrane.side] = membrane.position(&work.pose.at);
@@ -63,10 +68,6 @@ pub fn settle(
             _ => commit::commit(model, state, work),
         };
         reached.wall_force_error = newton::wall_force_error(model, state, work);
-        if state.bonds.is_empty() {
-            near.refresh(model, &state.position, &state.bounds(model));
-            crack::deposit(model, state, near);
-        }
         reached.jumps.append(&mut work.jumps);
     }
     reached.iterations = reached.outcome.iterations;

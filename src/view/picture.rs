@@ -12,12 +12,14 @@ mod cement;
 mod chains;
 mod cloud;
 mod colormap;
+mod sides;
 mod spheres;
 mod walls;
 
 use crate::msg::picture::{Marker, MarkerArray, Point, PointCloud2};
 use crate::msg::standard::Header;
 use crate::msg::topics::VIEW_FRAME;
+use crate::plane::Cell;
 use crate::report::{GrainMotion, Grains, Measures};
 use crate::scene::{Choice, ColorBy, Normal, Scene, View};
 use crate::wall::Bounds;
@@ -43,6 +45,8 @@ pub struct Painter {
     cemented: bool,
     /// Whether the grains are discs.
     plane: bool,
+    /// What surrounds them.
+    cell: Cell,
 }
 
 impl Painter {
@@ -56,7 +60,8 @@ impl Painter {
         let first = (GRAINS_AT_FIRST / grains.max(1) as u64).max(EACH);
         let cemented = matches!(scene.contact.normal, Normal::Cement(_));
         let (name, plane) = (scene.name.clone(), scene.dimension == 2);
-        Self { name, view: scene.view, scale, first, cemented, plane }
+        let cell = Cell::new(&scene.walls, bounds);
+        Self { name, view: scene.view, scale, first, cemented, plane, cell }
     }
 
     /// Size of the picture over that of the specimen.
@@ -91,7 +96,10 @@ impl Painter {
     pub fn markers(&self, measures: &Measures) -> Option<MarkerArray> {
         let grains = measures.grains.as_ref()?;
         let canvas = Canvas { header: header(measures), scale: self.scale, plane: self.plane };
-        let mut markers = walls::walls(&canvas, &measures.walls);
+        let mut markers = match self.plane {
+            true => sides::sides(&canvas, &self.cell, &measures.walls),
+            false => walls::walls(&canvas, &measures.walls),
+        };
         markers.push(caption::caption(&canvas, &self.name, measures));
         markers.extend(chains::chains(&canvas, grains, measures.network.as_ref()));
         if self.cemented {

@@ -207,6 +207,37 @@ fn a_cemented_cylinder_is_that_of_lame() {
 }
 
 #[test]
+fn a_hole_without_a_wall_is_one_whose_wall_was_drawn_back() {
+    let mut pack = dense_ring(5.0, 12.0, 1e5);
+    pack.history = None;
+    let outer = 0.5 * pack.bounds.sides()[0];
+    let inner = 5.0 / 12.0 * 0.5 * 24.0 * 2.7 * RADIUS;
+    let contact = "{normal: {linear: {stiffness: 5.0e5, bond: {cohesion: .inf}}}}";
+    let drawn_back = {
+        let (mut rig, report) = Rig::new(&ring_scene(inner, "", contact), &pack);
+        assert_eq!(report.disposition, Disposition::Applied, "{}", report.text);
+        rig.go(sides(WallTarget::Displacement(-0.1 * RADIUS), Keep));
+        rig.go(sides(Keep, WallTarget::Displacement(1e-3 * RADIUS)))
+    };
+    let without = {
+        let (mut rig, report) = Rig::new(&ring_scene(inner, ", open: [x_min]", contact), &pack);
+        assert_eq!(report.disposition, Disposition::Applied, "{}", report.text);
+        rig.go(sides(Keep, WallTarget::Displacement(1e-3 * RADIUS)))
+    };
+    let [one, other] = [&drawn_back, &without].map(|m| m.walls.normal_force[1]);
+    assert!((one / other - 1.0).abs() < 2e-3, "{one:e} {other:e}");
+    let [one, other] = [&drawn_back, &without].map(|m| m.cracks.as_ref().unwrap().intact);
+    assert!(other <= one && other + one / 50 >= one, "{one} {other}");
+    // It stands by itself: the mean stress is that of the pressure outside alone.
+    let pressure = without.state.unwrap().stress_walls[0];
+    let b = outer - without.walls.displacement[1];
+    let state = without.state.unwrap();
+    let mean = 0.5 * (state.stress_contacts[0] + state.stress_contacts[4]);
+    let want = pressure * b * b / (b * b - inner * inner);
+    assert!((mean / want - 1.0).abs() < 1e-8, "{mean:e} {want:e}");
+}
+
+#[test]
 fn what_does_not_fit_an_annulus_is_refused() {
     let grains = ring(12);
     let bounds = boxed([-1e-3; 2], [1e-3, 2e-3]);

@@ -8,6 +8,7 @@ mod packs;
 
 mod annulus;
 mod balance;
+mod beam;
 mod biaxial;
 mod bonds;
 mod cracking;

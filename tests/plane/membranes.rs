@@ -142,6 +142,44 @@ fn a_ring_on_a_wall_carries_its_membrane() {
 }
 
 #[test]
+fn what_a_disordered_pack_is_pressed_with_is_the_pressure_on_its_straight_sides() {
+    let pack = dense(9, 16, 3, 1e5, 0.6);
+    let scene = wrapped(true, 1e5, "{friction: {coefficient: 0.6}}");
+    let (mut rig, report) = Rig::new(&scene, &pack);
+    assert_eq!(report.disposition, Disposition::Applied, "{}", report.text);
+    let [_, height, depth] = pack.bounds.sides();
+    let middle = pack.bounds.center()[0];
+    for k in 1..=20 {
+        let way = 2e-5 * f64::from(k) * height;
+        let measures = rig.go(down(way));
+        let (network, grains) = (measures.network.unwrap(), measures.grains.unwrap());
+        // What contacts leave over on each grain is what the membranes press it with.
+        let mut left_over = vec![[0.0; 2]; grains.position.len()];
+        for (k, (&first, &second)) in network.first.iter().zip(&network.second).enumerate() {
+            for axis in 0..2 {
+                let force = network.normal_force[k] * network.normal[3 * k + axis]
+                    + network.tangential_force[3 * k + axis];
+                left_over[first as usize][axis] += force;
+                if let Some(other) = left_over.get_mut(second as usize) {
+                    other[axis] -= force;
+                }
+            }
+        }
+        let side = |right: bool| {
+            let own = left_over.iter().zip(&grains.position);
+            own.filter(|(_, at)| (at[0] > middle) == right).map(|(force, _)| force[0]).sum::<f64>()
+        };
+        let want = 1e5 * depth * (height - 2.0 * way);
+        for (force, want) in [(side(true), want), (side(false), -want)] {
+            assert!((force / want - 1.0).abs() < 1e-6, "{force:e} {want:e}");
+        }
+        // They push inwards and press surfaces only: most grains are in balance without them.
+        let pressed = left_over.iter().filter(|force| force[0].hypot(force[1]) > 1e-4 * want);
+        assert!(pressed.count() < left_over.len() / 2);
+    }
+}
+
+#[test]
 fn newton_and_gauss_seidel_find_the_same() {
     let pack = lattice(3, 4);
     let run = |method: &str| {

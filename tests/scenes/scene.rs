@@ -45,6 +45,21 @@ record: {chunk: 4 MiB, compression: zstd}
 ";
 
 #[test]
+fn every_scene_that_is_shipped_loads_under_its_own_name() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("launch_configs");
+    let files = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let scenes: Vec<_> =
+        files.filter(|file| file.extension().is_some_and(|e| e == "yaml")).collect();
+    assert!(scenes.len() > 20);
+    for file in scenes {
+        let loaded = scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
+        if !loaded.scene.name.is_empty() && loaded.scene.dimension == 2 {
+            assert_eq!(loaded.scene.name, file.file_stem().unwrap().to_str().unwrap());
+        }
+    }
+}
+
+#[test]
 fn the_example_of_the_interface_loads() {
     let frictional = "{coefficient: 0.3, law: return_map, update: frozen}";
     let scene = parse(&EXAMPLE.replace("FRICTION", frictional)).unwrap();

@@ -16,10 +16,15 @@ use crate::specimen::TOLERANCE;
 
 /// The scene with these lines in its `pack`, and its `contact` and keys of its `solver`.
 pub(crate) fn scene(pack: &str, contact: &str, solver: &str) -> Loaded {
+    surrounded(pack, "friction: 0.0", contact, solver)
+}
+
+/// The same with these keys of its `walls`.
+pub(crate) fn surrounded(pack: &str, walls: &str, contact: &str, solver: &str) -> Loaded {
     let text = format!(
         "dimension: 2\n\
          materials: {{sand: {{young: 2.32e9, poisson: 0.16, density: 2650.0}}}}\n\
-         pack:\n{pack}\nwalls: {{friction: 0.0}}\ncontact: {contact}\n\
+         pack:\n{pack}\nwalls: {{{walls}}}\ncontact: {contact}\n\
          solver: {{tolerance: {TOLERANCE:e}, {solver}}}\n"
     );
     let scene = scene::parse(&text, Path::new("validation.yaml")).expect("the scene is right");
@@ -31,6 +36,11 @@ pub(crate) fn made(loaded: &Loaded) -> Pack {
     pack::build(loaded).expect("the pack is found")
 }
 
+/// The pack of a scene, or nothing where it does not come to rest.
+pub(crate) fn made_if(loaded: &Loaded) -> Option<Pack> {
+    pack::build(loaded).map_err(|error| println!("    {error}")).ok()
+}
+
 /// A sample between its walls.
 pub(crate) struct Rig {
     twin: Twin,
@@ -40,7 +50,8 @@ pub(crate) struct Rig {
     volume: f64,
     /// The last equilibrium.
     pub(crate) last: PackState,
-    /// Inward displacement of the platens \[m\].
+    /// Inward displacement of the side walls and of the platens \[m\].
+    sides: [f64; 2],
     travel: [f64; 2],
 }
 
@@ -77,10 +88,23 @@ impl Rig {
         assert_eq!(report.disposition, Disposition::Applied, "{}", report.text);
         let last = report.measures.and_then(|measures| measures.state).expect("it was asked for");
         let height = pack.bounds.sides()[1];
-        Self { twin, sequence: 0, height, volume: pack.bounds.volume(), last, travel: [0.0; 2] }
+        Self {
+            twin,
+            sequence: 0,
+            height,
+            volume: pack.bounds.volume(),
+            last,
+            sides: [0.0; 2],
+            travel: [0.0; 2],
+        }
     }
 
     fn ask(&mut self, targets: [WallTarget; wall::COUNT]) -> Report {
+        self.go(targets, Demand { state: true, cracks: true, ..Demand::NONE })
+    }
+
+    /// Brings the sides to `targets` and measures what `demand` names.
+    pub(crate) fn go(&mut self, targets: [WallTarget; wall::COUNT], demand: Demand) -> Report {
         self.sequence += 1;
         let command = Command {
             stamp: Stamp::default(),
@@ -90,8 +114,7 @@ impl Rig {
             ask: Ask::Targets(targets),
             age: None,
         };
-        let report =
-            self.twin.apply(&command, Demand { state: true, cracks: true, ..Demand::NONE });
+        let report = self.twin.apply(&command, demand);
         if let Some(state) = report.measures.as_ref().and_then(|measures| measures.state) {
             self.last = state;
         }
@@ -105,6 +128,7 @@ impl Rig {
         let report = self.ask([side, side, side, side, keep, keep]);
         assert_eq!(report.disposition, Disposition::Applied, "{}", report.text);
         let measures = report.measures.expect("it was served");
+        self.sides = [0, 1].map(|side| measures.walls.displacement[side]);
         self.travel = [2, 3].map(|side| measures.walls.displacement[side]);
     }
 
@@ -119,12 +143,14 @@ impl Rig {
         let start = self.last;
         course.density = contact::density(f64::from(start.contacts), DIAMETER, self.volume);
         course.take(&start, &start);
-        let side = lateral.map_or(WallTarget::Keep, WallTarget::Stress);
+        // A wall that carries a load keeps it unless it is asked to stand.
+        let [left, right] =
+            self.sides.map(|at| lateral.map_or(WallTarget::Displacement(at), WallTarget::Stress));
         let keep = WallTarget::Keep;
         while !end(&course) {
             self.travel = self.travel.map(|travel| travel + 0.5 * INCREMENT * self.height);
             let [low, high] = self.travel.map(WallTarget::Displacement);
-            let report = self.ask([side, side, low, high, keep, keep]);
+            let report = self.ask([left, right, low, high, keep, keep]);
             if report.disposition != Disposition::Applied {
                 println!("    {:?}: {}", report.disposition, report.text);
                 course.whole = false;

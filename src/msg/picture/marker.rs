@@ -84,6 +84,10 @@ impl Marker {
     pub const CUBE: i32 = 1;
     /// Type of lines, each between two points.
     pub const LINE_LIST: i32 = 5;
+    /// Type of a cylinder along z.
+    pub const CYLINDER: i32 = 3;
+    /// Type of a line through its points.
+    pub const LINE_STRIP: i32 = 4;
     /// Type of spheres of one size.
     pub const SPHERE_LIST: i32 = 7;
     /// Type of a text that faces whoever looks.

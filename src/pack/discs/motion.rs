@@ -25,6 +25,11 @@ const RATES: (f64, f64) = (2e-5, 5e-3);
 const PRESSED: f64 = 0.05;
 /// Most steps of the compaction.
 const MOST_STEPS: u32 = 400_000;
+/// Overlap over mean radius at which discs gather, and what the stress is divided by in each stage of relief
+/// from there, at most. Discs that overlap less are near to where nothing holds them: they rearrange for
+/// long before they come to rest under a rising stress, and stay where they are under a falling one.
+const GATHERED: f64 = 2e-3;
+const RELIEF: f64 = 8.0;
 /// Mean contact force over stress and squared mean radius: 2σV/(n_c d̄) of 2 contacts a grain.
 const FORCE_PER_STRESS: f64 = 4.2;
 
@@ -119,19 +124,53 @@ impl Discs {
         false
     }
 
-    fn clock(&self, goal: &Goal) -> Clock {
+    /// The stresses above that of `goal` \[Pa\] from which the discs come to it, one after the other: from
+    /// where they overlap enough to gather, or from what presses them now if they are under more than the
+    /// goal already.
+    pub(super) fn relief(&mut self, goal: &Goal) -> Vec<f64> {
+        let (mean_radius, _) = self.means();
+        let (overlap, _) = self.contact(goal.stress);
+        let power = match self.law {
+            Law::Hertz => 1.5,
+            Law::Linear { .. } => 1.0,
+        };
+        let rise = (GATHERED * mean_radius / overlap).powf(power);
+        if rise <= 1.0 {
+            return Vec::new();
+        }
+        let mut clock = self.clock(goal);
+        let moment = self.press(goal, &mut clock).moment;
+        let now = 0.5 * (moment[0] + moment[1]) / (self.frame.area() * self.depth);
+        let stages = (rise.ln() / RELIEF.ln()).ceil();
+        let stage = |left: u32| goal.stress * rise.powf(f64::from(left) / stages);
+        let all = (1..=stages as u32).rev().map(stage);
+        all.filter(|&stress| now < goal.stress || stress < now).collect()
+    }
+
+    /// Mean radius \[m\] and mean of (1-ν²)/E \[1/Pa\].
+    fn means(&self) -> (f64, f64) {
         let count = self.at.len() as f64;
-        let mean_radius = self.radius.iter().sum::<f64>() / count;
         let compliance = self.compliance.iter().sum::<f64>() / count;
+        (self.radius.iter().sum::<f64>() / count, compliance)
+    }
+
+    /// Mean overlap \[m\] and stiffness \[N/m\] of the contacts at `stress` \[Pa\].
+    fn contact(&self, stress: f64) -> (f64, f64) {
+        let (mean_radius, compliance) = self.means();
         let modulus = hertz::modulus(0.5 * mean_radius, 2.0 * compliance);
-        let force = FORCE_PER_STRESS * goal.stress * mean_radius * mean_radius;
-        let (overlap, stiffness) = match self.law {
+        let force = FORCE_PER_STRESS * stress * mean_radius * mean_radius;
+        match self.law {
             Law::Hertz => {
                 let overlap = (force / modulus).powf(2.0 / 3.0);
                 (overlap, 1.5 * force / overlap)
             }
             Law::Linear { normal, .. } => (force / normal, normal),
-        };
+        }
+    }
+
+    fn clock(&self, goal: &Goal) -> Clock {
+        let (mean_radius, compliance) = self.means();
+        let (overlap, stiffness) = self.contact(goal.stress);
         let lightness = |(radius, own): (&f64, &f64)| {
             let (size, softness) = (radius / mean_radius, own / compliance);
             softness / (MASS * stiffness * 0.5 * (1.0 + size * size))

@@ -28,6 +28,11 @@ pub(super) fn compact(
 ) -> Result<Pack, CompactError> {
     let making = making(scene, &goal);
     let mut text = String::from("the discs do not come to rest");
+    for stress in discs.relief(&goal) {
+        if !discs.compact(&Goal { stress, ..goal }, RESIDUALS[0]) {
+            return Err(CompactError::Discs { wanted: goal.stress, text });
+        }
+    }
     for residual in RESIDUALS {
         if !discs.compact(&goal, residual) {
             break;

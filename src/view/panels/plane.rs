@@ -5,6 +5,7 @@ pub(super) mod fields;
 use std::f64::consts::TAU;
 
 use super::strain::Strain;
+use crate::analytic::cylinder::{Cylinder, Hoop, Ring, Rings};
 use crate::analytic::fit::biaxial::Test;
 use crate::analytic::tensor::Tensor;
 use crate::msg::{PackState, PlaneState};
@@ -68,6 +69,9 @@ fn steady(run: &Run) -> &[PackState] {
     let count = run.states.iter().rev().take_while(|state| stays(state)).count();
     &run.states[run.states.len() - count..]
 }
+
+/// ν of the cylinder of uneven modulus, which hardly depends on it (32).
+const POISSON: f64 = 0.1;
 
 fn line(
     number: usize,
@@ -221,10 +225,56 @@ pub(super) fn profiles(run: &Run) -> Vec<Chart> {
         series,
         notes: Vec::new(),
     };
+    let mut stress = stress;
+    if let Some(last) = ends.last() {
+        stress.extend(predicted(run, last));
+    }
     vec![
         chart("Stress against radius", Axis::linear("stress", Unit::Si("Pa")), stress),
         chart("Contacts against radius", Axis::linear("n_c/v", Unit::None), density.collect()),
     ]
+}
+
+/// What an elastic cylinder has at the pressures of `state`: with the same modulus everywhere (A.113), and
+/// with one in proportion to n_c/v (figure 46).
+fn predicted(run: &Run, state: &PlaneState) -> Vec<Series> {
+    let radius = &state.ring_radius;
+    let [first, second, ..] = radius[..] else { return Vec::new() };
+    let Some(walls) = run.walls.iter().find(|walls| walls.increment == state.increment) else {
+        return Vec::new();
+    };
+    let half = 0.5 * (second - first);
+    let [inner, outer] = [first - half, radius[radius.len() - 1] + half];
+    let [inner_pressure, outer_pressure] = [(0, inner), (1, outer)]
+        .map(|(wall, radius)| walls.normal_force[wall] / (TAU * radius * state.mean_diameter));
+    let cylinder = Cylinder { inner, outer, inner_pressure, outer_pressure };
+    let count = radius.len();
+    let rings: Vec<Ring> = (0..count)
+        .map(|k| {
+            let outer = if k + 1 == count { outer } else { radius[k] + half };
+            Ring { outer, young: state.ring_contact_density[k] }
+        })
+        .collect();
+    let mut series = dashed("A.113", 4, radius, |r| Some(cylinder.stress(r))).to_vec();
+    if let Some(uneven) = Rings::new(&cylinder, POISSON, rings) {
+        series.extend(dashed("E ~ n_c/v", 6, radius, |r| uneven.stress(r)));
+    }
+    series
+}
+
+fn dashed(
+    name: &str,
+    number: usize,
+    radius: &[f64],
+    of: impl Fn(f64) -> Option<Hoop>,
+) -> [Series; 2] {
+    let line = |number: usize, part: &str, value: fn(Hoop) -> f64| {
+        let points = radius.iter().map(|&r| [r, of(r).map_or(f64::NAN, value)]);
+        let mut series = Series::new(number, &format!("{part}, {name}"), points);
+        series.stroke.pattern = Pattern::Dashed;
+        series
+    };
+    [line(number, "σrr", |hoop| hoop.radial), line(number + 1, "σtt", |hoop| hoop.tangential)]
 }
 
 fn along(radius: &[f64], values: &[f64]) -> Vec<[f64; 2]> {

@@ -1,35 +1,39 @@
-//! The six walls, of discs four, as thin plates that let the pack be seen.
+//! The six walls as thin plates that let the pack be seen.
 
 use super::Canvas;
 use crate::msg::picture::{ColorRGBA, Marker};
-use crate::plane::boundary::SIDES;
 use crate::report::WallForces;
 use crate::wall;
 
 /// Thickness of a plate over the largest side of the box.
 const THICKNESS: f64 = 0.005;
 
-const COLOR: ColorRGBA = ColorRGBA { r: 0.6, g: 0.7, b: 0.8, a: 0.12 };
+pub(super) const COLOR: ColorRGBA = ColorRGBA { r: 0.6, g: 0.7, b: 0.8, a: 0.12 };
 
 /// Each plate stands outside of the box, its inner face where the wall is, in the order of
 /// [`wall::NAMES`].
 pub(super) fn walls(canvas: &Canvas, walls: &WallForces) -> Vec<Marker> {
+    (0..wall::COUNT).map(|wall| plate(canvas, walls, wall)).collect()
+}
+
+/// The plate of one wall.
+pub(super) fn plate(canvas: &Canvas, walls: &WallForces, wall: usize) -> Marker {
     let (sides, centre) = shape(walls);
-    let thickness = THICKNESS * sides.into_iter().fold(0.0, f64::max);
-    let count = if canvas.plane { SIDES } else { wall::COUNT };
-    (0..count)
-        .map(|wall| {
-            let axis = wall::axis(wall);
-            let (mut at, mut plate) = (centre, sides);
-            at[axis] = walls.position[wall] - 0.5 * thickness * wall::inward(wall);
-            plate[axis] = thickness;
-            let mut marker = canvas.marker("walls", wall, Marker::CUBE);
-            marker.pose.position = at.map(|x| x * canvas.scale).into();
-            marker.scale = plate.map(|side| side * canvas.scale).into();
-            marker.color = COLOR;
-            marker
-        })
-        .collect()
+    let thickness = thickness(walls);
+    let axis = wall::axis(wall);
+    let (mut at, mut plate) = (centre, sides);
+    at[axis] = walls.position[wall] - 0.5 * thickness * wall::inward(wall);
+    plate[axis] = thickness;
+    let mut marker = canvas.marker("walls", wall, Marker::CUBE);
+    marker.pose.position = at.map(|x| x * canvas.scale).into();
+    marker.scale = plate.map(|side| side * canvas.scale).into();
+    marker.color = COLOR;
+    marker
+}
+
+/// Thickness of the plates \[m\].
+pub(super) fn thickness(walls: &WallForces) -> f64 {
+    THICKNESS * shape(walls).0.into_iter().fold(0.0, f64::max)
 }
 
 /// Sides and centre of the box \[m\].

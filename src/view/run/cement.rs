@@ -9,6 +9,19 @@ pub struct Cement {
     pub standing: Vec<Standing>,
     /// Where bonds broke \[m\]: by tension, and by shear.
     pub places: [Vec<[f64; 3]>; 2],
+    /// All of them in order.
+    pub order: Vec<Broken>,
+}
+
+/// A bond that broke.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Broken {
+    /// The increment.
+    pub increment: u64,
+    /// Middle of the contact \[m\].
+    pub at: [f64; 3],
+    /// Unit normal of the contact.
+    pub normal: [f64; 3],
 }
 
 /// Bonds at the end of an increment.
@@ -33,5 +46,7 @@ impl Cement {
         for (mode, at) in cracks.mode.iter().zip(cracks.position.as_chunks().0) {
             self.places[usize::from(*mode != Cracks::TENSION)].push(*at);
         }
+        let places = cracks.position.as_chunks().0.iter().zip(cracks.normal.as_chunks().0);
+        self.order.extend(places.map(|(&at, &normal)| Broken { increment, at, normal }));
     }
 }

@@ -8,12 +8,20 @@ use crate::pack::wall_of;
 use crate::report::ContactState;
 use crate::view::chart::{Chart, Pattern, Series, Stroke};
 use crate::view::run::Run;
+use crate::view::run::cement::Broken;
 use crate::view::run::plane::{Disc, Picture};
 use crate::view::scale::Axis;
 use crate::view::unit::Unit;
 
-/// Corners of a disc.
+/// Corners of a disc, and of a circular wall.
 const CORNERS: u32 = 20;
+const ROUND: u32 = 180;
+
+/// The wall of an annulus that is around it.
+const OUTER: u8 = 1;
+
+/// Colours of the cracks from the first to the last.
+const AGES: [&str; 4] = [VERMILLION, "#e69f00", "#56b4e9", BLUE];
 
 /// Outline of the grains.
 const OUTLINE: Stroke = Stroke { color: "#c3cad1", width: 0.6, pattern: Pattern::Bare };
@@ -53,7 +61,38 @@ pub(in crate::view::panels) fn charts(run: &Run) -> Vec<Chart> {
         charts.push(rotations(&first, &last));
     }
     charts.push(cracks(&last));
+    charts.push(order(run, &last, diameter));
+    let circles = circles(run, &last);
+    for chart in charts.iter_mut().filter(|chart| !chart.series.is_empty()) {
+        chart.series.extend(circles.clone());
+    }
     charts
+}
+
+/// The walls of a pack between circles: the edges of its rings, about where the outer wall pushes to.
+fn circles(run: &Run, picture: &Picture) -> Option<Series> {
+    let network = &picture.network;
+    let state = run.plane.states.iter().find(|state| state.increment == network.increment)?;
+    let [.., before, last] = state.ring_radius[..] else { return None };
+    let half = 0.5 * (last - before);
+    let radii = [state.ring_radius[0] - half, last + half];
+    let pushed = (0..network.first.len()).filter(|&k| wall_of(network.second[k]) == Some(OUTER));
+    let pushed_to = pushed.filter_map(|contact| {
+        let [_, at] = branch(&picture.grains, network, contact)?;
+        let normal = network.normal.get(3 * contact..3 * contact + 2)?;
+        Some([0, 1].map(|axis| at[axis] + radii[1] * normal[axis]))
+    });
+    let (count, sum) = pushed_to
+        .fold((0_u32, [0.0; 2]), |(count, sum), at| (count + 1, [sum[0] + at[0], sum[1] + at[1]]));
+    let centre = (count > 0).then(|| sum.map(|x| x / f64::from(count)))?;
+    let circle = |radius: f64| {
+        let corner = move |k: u32| {
+            let (sine, cosine) = (TAU * f64::from(k) / f64::from(ROUND)).sin_cos();
+            [centre[0] + radius * cosine, centre[1] + radius * sine]
+        };
+        (0..=ROUND).map(corner).chain([GAP])
+    };
+    Some(lines("", BLACK, 1.6, radii.into_iter().flat_map(circle).collect()))
 }
 
 fn scaled(picture: &Picture, scale: f64) -> Picture {
@@ -211,6 +250,31 @@ fn cracks(picture: &Picture) -> Chart {
     chart(format!("Cracks, increment {}", network.increment), series, vec![note])
 }
 
+/// The cracks of the run in the order in which bonds broke, a quarter of them in each colour, where they were
+/// then (figure 50).
+fn order(run: &Run, last: &Picture, diameter: f64) -> Chart {
+    let all = &run.cement.order;
+    let until = last.network.increment;
+    let all = &all[..all.partition_point(|crack| crack.increment <= until)];
+    let mut series = vec![outlines(&last.grains)];
+    let size = all.len().div_ceil(AGES.len()).max(1);
+    for ((part, color), number) in all.chunks(size).zip(AGES).zip(0..) {
+        let half = 0.5 * diameter;
+        let across = |crack: &Broken| {
+            let ([x, y, _], [nx, ny, _]) = (crack.at, crack.normal);
+            [[x - half * ny, y + half * nx], [x + half * ny, y - half * nx], GAP]
+        };
+        let from = number * size + 1;
+        let name = format!("{from} to {}", from + part.len() - 1);
+        series.push(lines(&name, color, 3.0, part.iter().flat_map(across).collect()));
+    }
+    if all.is_empty() {
+        series.clear();
+    }
+    let note = "Lines across the contacts whose bond broke, where they were then.".into();
+    chart(format!("Cracks in order, until increment {until}"), series, vec![note])
+}
+
 /// The value at [`RANK`] among all; 0 of none.
 fn ranked(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.collect();
@@ -247,6 +311,38 @@ mod tests {
         run
     }
 
+    #[test]
+    fn cracks_are_drawn_in_order_and_circles_where_the_rings_end() {
+        let mut run = run();
+        let crack = |increment| Broken { increment, at: [0.5, 0.0, 0.0], normal: [1.0, 0.0, 0.0] };
+        // The last one broke after the picture.
+        run.cement.order = (1..=5).map(crack).collect();
+        let rings = vec![3.5, 4.5];
+        run.plane.states.push(PlaneState {
+            increment: 3,
+            ring_radius: rings,
+            ..PlaneState::default()
+        });
+        // The second grain, of radius 0.5 at x = 1, touches the outer wall at x = 1.5, which is a circle of
+        // 5 about x = -3.5.
+        if let Some([_, last]) = &mut run.plane.pictures {
+            let network = &mut last.network;
+            (network.first[1], network.second[1]) = (1, u32::MAX - 1);
+            network.normal[3..].copy_from_slice(&[-1.0, 0.0, 0.0]);
+        }
+        let charts = charts(&run);
+        let names = ["1 to 1", "2 to 2", "3 to 3"];
+        for name in names {
+            assert_eq!(series(&charts[4], name)[..2], [[0.5, 0.5], [0.5, -0.5]]);
+        }
+        assert!(series(&charts[4], "4 to 4").is_empty());
+        for chart in &charts {
+            let circles = &chart.series[chart.series.len() - 1].points;
+            let (inner, outer) = (circles[0], circles[ROUND as usize + 2]);
+            assert!((inner[0] + 0.5).abs() < 1e-12 && (outer[0] - 1.5).abs() < 1e-12);
+        }
+    }
+
     fn series<'a>(chart: &'a Chart, name: &str) -> &'a [[f64; 2]] {
         let named = |series: &&Series| series.name == name && series.stroke != OUTLINE;
         chart.series.iter().find(named).map_or(&[], |series| &series.points)
@@ -255,7 +351,8 @@ mod tests {
     #[test]
     fn tension_is_grey_cracks_lie_across_and_pointers_turn_with_the_grains() {
         let charts = charts(&run());
-        assert_eq!(charts.len(), 4);
+        assert_eq!(charts.len(), 5);
+        assert!(charts[4].series.is_empty());
         assert_eq!(series(&charts[0], "pulled")[..2], [[0.0, 0.0], [1.0, 0.0]]);
         assert!(series(&charts[0], "pressed").is_empty());
         // Only the first grain turned, a quarter to the right as drawn.
