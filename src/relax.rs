@@ -48,7 +48,7 @@ use crate::model::Model;
 use crate::plane;
 use crate::scene::Method;
 use crate::state::{Bond, Memory, State};
-use crate::wall::{self, Bounds};
+use crate::wall::{self, Room};
 use balance::{Balance, Configuration, Sums};
 use coupled::Coupled;
 use dynamic::Inertia;
@@ -279,7 +279,7 @@ impl Workspace {
     }
 
     /// Evaluates the balance of `state` in the box `bounds`.
-    pub fn evaluate(&mut self, model: &Model, state: &State, bounds: &Bounds) {
+    pub fn evaluate(&mut self, model: &Model, state: &State, bounds: &Room) {
         self.neighbours.refresh(model, &state.position, bounds);
         self.balance.evaluate(&Configuration {
             model,
@@ -434,7 +434,7 @@ impl Workspace {
 
     /// Puts the grains of `state`, moved by `factor` times the step, on trial, and the walls under
     /// loads with them; returns the box.
-    fn go(&mut self, model: &Model, state: &State, factor: f64) -> Bounds {
+    fn go(&mut self, model: &Model, state: &State, factor: f64) -> Room {
         self.trial_displacement = self.servo.displaced(&state.displacement, factor);
         self.trial.clear();
         self.trial
@@ -445,11 +445,11 @@ impl Workspace {
         {
             *at += turn * (factor / radius);
         }
-        model.start.displaced(&self.trial_displacement)
+        model.bounds(&self.trial_displacement)
     }
 
     /// Takes the balance of the grains on trial.
-    fn judge(&mut self, model: &Model, state: &State, bounds: &Bounds) {
+    fn judge(&mut self, model: &Model, state: &State, bounds: &Room) {
         self.neighbours.refresh(model, &self.trial, bounds);
         self.trial_balance.evaluate(&Configuration {
             model,

@@ -8,7 +8,7 @@ use crate::heap;
 use crate::model::Model;
 use crate::pack::{self, History, Layer};
 use crate::plane::boundary::SIDES;
-use crate::wall::{self, Bounds};
+use crate::wall::{self, Room};
 
 pub use bond::{Bond, Condition};
 
@@ -311,9 +311,9 @@ impl State {
         }
     }
 
-    /// The box now.
+    /// The room between the walls now.
     #[must_use]
-    pub fn bounds(&self, model: &Model) -> Bounds {
+    pub fn bounds(&self, model: &Model) -> Room {
         model.bounds(&self.displacement)
     }
 

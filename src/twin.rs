@@ -94,7 +94,7 @@ impl Twin {
         if pack.grains.is_empty() {
             return Err(TwinError::Empty);
         }
-        let cell = (scene.dimension == 2).then(|| plane::Cell::new(&scene.walls, &pack.bounds));
+        let cell = plane::Cell::of(scene, &pack.bounds);
         if let Some(cell) = &cell {
             fits(cell, pack)?;
         }
@@ -117,7 +117,7 @@ impl Twin {
             work: Workspace::new(&model),
             gate: match cell {
                 None => Gate::new(pack.bounds, &scene.node).with_hydrate(&model.hydrate),
-                Some(cell) => Gate::new(pack.bounds, &scene.node).in_plane(cell),
+                Some(cell) => Gate::new(pack.bounds, &scene.node).within(cell),
             },
             pool,
             increment: 0,
@@ -415,21 +415,21 @@ impl Twin {
             grains[order as usize] = Grain { position, ..self.model.grain(k) };
         }
         Pack {
-            bounds: self.state.bounds(&self.model),
+            bounds: *self.state.bounds(&self.model),
             grains,
             history: self.state.history(&self.model),
         }
     }
 }
 
-/// Whether the discs of `pack` are in `cell`.
+/// Whether the grains of `pack` are in `cell`.
 fn fits(cell: &plane::Cell, pack: &Pack) -> Result<(), TwinError> {
     if let Some(text) = cell.unfit() {
         return Err(TwinError::Cell(text));
     }
     for (row, grain) in pack.grains.iter().enumerate() {
         let [x, y, _] = grain.position;
-        if let Some(text) = cell.shuts_out(plane::Vec2::new(x, y)) {
+        if let Some(text) = cell.shuts_out(plane::Vec2::new(x, y), grain.radius) {
             return Err(TwinError::Cell(format!("grain {row} {text}")));
         }
     }

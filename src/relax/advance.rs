@@ -12,7 +12,7 @@ use crate::relax::tangential::Changes;
 use crate::relax::{Outcome, Status, Workspace, accuracy, newton, relax, two_step};
 use crate::scene::{Method, Update};
 use crate::state::{Ledger, State};
-use crate::wall::{self, Bounds, Control, Load, Setpoint};
+use crate::wall::{self, Room, Control, Load, Setpoint};
 
 /// A sub-increment is never smaller than this share of `solver.max_strain_increment`, so that
 /// decompression passes the point where the overlaps vanish.
@@ -109,7 +109,7 @@ pub fn advance(
     let mut so_far = Advance::at(here);
     work.neighbours.refresh(model, &state.position, &state.bounds(model));
     let mut forces = walls::normal_forces(model, state, &work.neighbours);
-    let goal = Drive::of(setpoint);
+    let goal = Drive::of(model, setpoint);
     let mut drives = present(&goal, &forces, &state.bounds(model));
     let (mut crept, mut creeps) = (false, 0);
     loop {
@@ -312,12 +312,12 @@ pub(crate) fn standing_target(setpoint: &Setpoint, state: &State) -> [f64; wall:
 }
 
 /// The drives of `goal` with the loads that the walls carry now.
-pub(crate) fn present(goal: &[Drive], forces: &[f64; wall::COUNT], bounds: &Bounds) -> Vec<Drive> {
+pub(crate) fn present(goal: &[Drive], forces: &[f64; wall::COUNT], bounds: &Room) -> Vec<Drive> {
     let now = |drive: &Drive| {
         let force = drive.force(forces);
         let load = match drive.load {
             Load::Force(_) => Load::Force(force),
-            Load::Stress(_) => Load::Stress(force / bounds.area(2 * drive.axis)),
+            Load::Stress(_) => Load::Stress(force / bounds.area(drive.wall())),
         };
         Drive { load, ..*drive }
     };
@@ -412,6 +412,9 @@ fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
 
 /// Largest strain of an axis that is left, against the box at the start, a shift of the whole box counted as a strain too.
 pub(crate) fn remaining_strain(model: &Model, state: &State, target: &[f64; wall::COUNT]) -> f64 {
+    if let Some(cell) = &model.cell {
+        return cell.remaining_strain(&state.displacement, target);
+    }
     let sides = model.start.sides();
     (0..3)
         .map(|axis| {

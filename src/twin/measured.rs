@@ -20,11 +20,11 @@ use crate::report::{
     WallForces,
 };
 use crate::scene::ModuliKind;
-use crate::wall::Bounds;
+use crate::wall::Room;
 
 /// What stress and strain of the box are derived from.
 struct Loaded {
-    bounds: Bounds,
+    bounds: Room,
     walls: WallForces,
     /// From the walls \[Pa\].
     stress: Matrix3<f64>,
@@ -103,12 +103,13 @@ impl Twin {
     fn loaded(&self, contacts: &Contacts) -> Loaded {
         let bounds = self.state.bounds(&self.model);
         let walls = walls::forces(&self.model, &self.state, &contacts.list);
-        let cell = self.model.plane.as_ref().map(|setup| &setup.cell);
+        let plane = self.model.plane.as_ref().map(|setup| &setup.cell);
+        let cell = plane.or(self.model.cell.as_ref());
         let pressure = cell.and_then(|cell| cell.pressure(&walls));
         Loaded {
             stress: match pressure {
                 None => stress::from_leaning_walls(&walls, &bounds, self.state.tilt),
-                Some(pressure) => Matrix3::from_diagonal(&[pressure, pressure, 0.0].into()),
+                Some(pressure) => Matrix3::from_diagonal(&pressure.into()),
             },
             strain: stress::engineering_strain(&bounds, &self.model.reference),
             walls,
