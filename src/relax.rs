@@ -26,6 +26,7 @@ pub mod jump;
 pub mod lanes;
 pub mod linear;
 mod loose;
+pub(crate) mod membrane;
 pub mod newton;
 pub mod rattlers;
 mod rows;
@@ -61,6 +62,14 @@ use servo::Servo;
 use site::{Adjacency, Others};
 use tangential::{Changes, Reference};
 use two_step::TwoStep;
+
+/// Times that a pack settles in new membranes, and most steps of each.
+const WRAPS: u32 = 5;
+const WRAP_STEPS: u32 = 20_000;
+/// Residual at which it need not, at first and later; that to which it does.
+const NEAR: f64 = 1e-3;
+const SETTLED: f64 = 3e-2;
+const FIRST: f64 = 1e-3;
 
 /// Times that floating grains which turn out to carry load may join the balance.
 const ROUNDS: u32 = 40;
@@ -301,6 +310,7 @@ impl Workspace {
     pub fn begin(&mut self, model: &Model, state: &State) {
         self.neighbours.refresh(model, &state.position, &state.bounds(model));
         self.take_bonds(model, state);
+        self.reference.membranes.wrap(model, state);
         self.reference.begin(model, state, &self.neighbours, false);
         if model.is_two_step() {
             self.two_step.begin(state);
@@ -312,7 +322,41 @@ impl Workspace {
     pub fn start(&mut self, model: &Model, state: &State) {
         self.neighbours.refresh(model, &state.position, &state.bounds(model));
         self.take_bonds(model, state);
+        self.reference.membranes.wrap(model, state);
         self.reference.begin(model, state, &self.neighbours, true);
+    }
+
+    /// Puts the membranes of a pack as it was given around it. One that is far from the balance with
+    /// them, and remembers no friction, settles under them first, as it was made: without friction.
+    pub fn wrap(&mut self, model: &Model, state: &mut State) {
+        let Some(cell) = &model.cell else { return };
+        membrane::begin(cell, state);
+        if state.pressure.iter().all(|&pressure| pressure == 0.0) {
+            return;
+        }
+        let residual = |work: &Self| {
+            newton::residual(model, work.balance.largest(), work.balance.sums.mean_force())
+        };
+        for round in 0..WRAPS {
+            self.reference.active = false;
+            rattlers::find(model, state, self);
+            self.reference.membranes.wrap(model, state);
+            if !state.memory.contacts.is_empty() {
+                break;
+            }
+            self.evaluate(model, state, &state.bounds(model));
+            if residual(self) < [NEAR, SETTLED][usize::from(round > 0)] {
+                break;
+            }
+            let goal = fire::Goal { residual: FIRST, pressure: None, even: false, steps: WRAP_STEPS };
+            fire::descend(model, state, self, goal);
+        }
+        self.reference.membranes.mark(state);
+    }
+
+    /// Moves the sides of an equilibrium that are membranes with the pack.
+    pub fn lead(&mut self, model: &Model, state: &mut State) {
+        self.reference.membranes.lead(model, state);
     }
 
     /// Tells the neighbour list where cement stands between the bodies or stood.

@@ -201,6 +201,7 @@ impl Twin {
     /// Relaxes a pack of spheres as it was given, and deposits cement in it.
     fn settle(&mut self) -> Advance {
         let Self { model, state, work, pool, .. } = self;
+        work.wrap(model, state);
         work.start(model, state);
         work.jumps.clear();
         let outcome = pool.install(|| {
@@ -225,6 +226,7 @@ impl Twin {
         if !outcome.status.is_equilibrium() {
             return reached;
         }
+        work.lead(model, state);
         reached.wall_force_error =
             pool.install(|| accuracy::wall_force_error(model, state, work, &outcome));
         reached.changes = match outcome.iterations {

@@ -119,6 +119,9 @@ pub fn generate(
     let mut press = Press::new(&scatter(spec, material, hole, grains, &mut rng), walls, solver);
     press.quench();
     // What cools does so in a box.
+    if hole.is_some() {
+        press.jam(spec.confining_stress);
+    }
     if hole.is_some() || !press.cool(spec.confining_stress) {
         press.compact(spec.confining_stress)?;
     }
@@ -231,8 +234,16 @@ impl Press {
         self.resort();
     }
 
+    /// Brings the mean stress to `pressure` \[Pa\], with the proportions that the pack has: what is not
+    /// jammed yet has nothing that keeps them.
+    fn jam(&mut self, pressure: f64) {
+        let (residual, pressure) = (DESCENTS[0], Some(pressure));
+        let goal = fire::Goal { residual, pressure, even: true, steps: MOST_STEPS };
+        fire::descend(&self.model, &mut self.state, &mut self.work, goal);
+    }
+
     fn descend(&mut self, residual: f64, pressure: Option<f64>) {
-        let goal = fire::Goal { residual, pressure, steps: MOST_STEPS };
+        let goal = fire::Goal { residual, pressure, even: false, steps: MOST_STEPS };
         fire::descend(&self.model, &mut self.state, &mut self.work, goal);
     }
 

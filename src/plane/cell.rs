@@ -120,6 +120,15 @@ impl Cell {
         matches!(self.sides.get(w), Some(Side::Membrane(_)))
     }
 
+    /// Pressure at the start of side `w`, which is a membrane \[Pa\].
+    #[must_use]
+    pub fn first_pressure(&self, w: usize) -> Option<f64> {
+        match self.sides.get(w) {
+            Some(Side::Membrane(pressure)) => Some(*pressure),
+            _ => None,
+        }
+    }
+
     /// Whether side `w` has points instead of a wall.
     #[must_use]
     pub fn has_points(&self, w: usize) -> bool {

@@ -12,7 +12,7 @@ use crate::relax::tangential::Changes;
 use crate::relax::{Outcome, Status, Workspace, accuracy, newton, relax, two_step};
 use crate::scene::{Method, Update};
 use crate::state::{Ledger, State};
-use crate::wall::{self, Room, Control, Load, Setpoint};
+use crate::wall::{self, Control, Load, Setpoint};
 
 /// A sub-increment is never smaller than this share of `solver.max_strain_increment`, so that
 /// decompression passes the point where the overlaps vanish.
@@ -110,7 +110,7 @@ pub fn advance(
     work.neighbours.refresh(model, &state.position, &state.bounds(model));
     let mut forces = walls::normal_forces(model, state, &work.neighbours);
     let goal = Drive::of(model, setpoint);
-    let mut drives = present(&goal, &forces, &state.bounds(model));
+    let mut drives = present(model, &goal, &forces, state);
     let (mut crept, mut creeps) = (false, 0);
     loop {
         let target = standing_target(setpoint, state);
@@ -131,7 +131,9 @@ pub fn advance(
             work.jumps.clear();
             move_walls(model, state, &target, share);
             let aim = part_of_the_way(&drives, &goal, share);
-            work.servo.begin(&aim, STRETCH * limit);
+            press(model, state, &aim);
+            work.reference.membranes.follow(model, state);
+            work.servo.begin(&on_walls(model, &aim), STRETCH * limit);
             // The seeds' methods begin where the walls take the grains.
             let predicts = model.solver.method == Method::Newton && !model.is_two_step();
             if work.reference.active && predicts {
@@ -139,7 +141,7 @@ pub fn advance(
             }
             let mut outcome = solve(model, state, work);
             let lost = matches!(outcome.status, Status::Unstable | Status::Stalled);
-            let creeps_on = lost && !goal.is_empty() && !model.is_two_step();
+            let creeps_on = lost && work.servo.is_active() && !model.is_two_step();
             if creeps_on && attempt >= patience && creeps < MOST_CREEPS {
                 state.copy_from(&last);
                 outcome = creep(model, state, work, &target, (share, limit));
@@ -170,7 +172,7 @@ pub fn advance(
         let next = walls::normal_forces(model, state, &work.neighbours);
         if crept {
             // What was lost on the way is asked for anew.
-            drives = present(&goal, &next, &state.bounds(model));
+            drives = present(model, &goal, &next, state);
             so_far.crept += strain_between(model, &last, state);
         } else if drives == goal && state.displacement == standing_target(setpoint, state) {
             so_far.wall_force_error =
@@ -178,6 +180,7 @@ pub fn advance(
         }
         so_far.jumps.append(&mut work.jumps);
         add_work(state, &last.displacement, &forces, &next);
+        state.wall_work += work.reference.membranes.work(state);
         forces = next;
         let cracks = so_far.cracks.len();
         if !crack(model, state, work, &mut so_far, &mut forces) {
@@ -188,7 +191,7 @@ pub fn advance(
         }
         if so_far.cracks.len() > cracks && !goal.is_empty() {
             // The loads that the walls lost are asked for anew.
-            drives = present(&goal, &forces, &state.bounds(model));
+            drives = present(model, &goal, &forces, state);
         }
     }
     so_far
@@ -311,9 +314,18 @@ pub(crate) fn standing_target(setpoint: &Setpoint, state: &State) -> [f64; wall:
     })
 }
 
-/// The drives of `goal` with the loads that the walls carry now.
-pub(crate) fn present(goal: &[Drive], forces: &[f64; wall::COUNT], bounds: &Room) -> Vec<Drive> {
+/// The drives of `goal` with the loads that the walls carry now, and the membranes.
+fn present(
+    model: &Model,
+    goal: &[Drive],
+    forces: &[f64; wall::COUNT],
+    state: &State,
+) -> Vec<Drive> {
+    let bounds = state.bounds(model);
     let now = |drive: &Drive| {
+        if drive.is_membrane(model) {
+            return Drive { load: Load::Stress(state.pressure[drive.wall()]), ..*drive };
+        }
         let force = drive.force(forces);
         let load = match drive.load {
             Load::Force(_) => Load::Force(force),
@@ -322,6 +334,37 @@ pub(crate) fn present(goal: &[Drive], forces: &[f64; wall::COUNT], bounds: &Room
         Drive { load, ..*drive }
     };
     goal.iter().map(now).collect()
+}
+
+/// The drives of walls among `drives`.
+fn on_walls(model: &Model, drives: &[Drive]) -> Vec<Drive> {
+    drives.iter().filter(|drive| !drive.is_membrane(model)).copied().collect()
+}
+
+/// Membranes press as `drives` have it.
+fn press(model: &Model, state: &mut State, drives: &[Drive]) {
+    for drive in drives.iter().filter(|drive| drive.is_membrane(model)) {
+        state.pressure[drive.wall()] = drive.load.force(1.0);
+    }
+}
+
+/// Relaxes; where walls under loads stand beside membranes, until their areas are those of the pack.
+fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
+    let mut outcome = at_rest(model, state, work);
+    for _ in 0..RENEWALS {
+        if !outcome.status.is_equilibrium() || work.reference.membranes.is_empty() {
+            break;
+        }
+        let moved = work.reference.membranes.lead(model, state);
+        if !(moved && work.servo.is_active()) {
+            break;
+        }
+        let (iterations, descents) = (outcome.iterations, outcome.descents);
+        outcome = at_rest(model, state, work);
+        outcome.iterations += iterations;
+        outcome.descents += descents;
+    }
+    outcome
 }
 
 /// Loads after `share` of the way from `drives` to `goal`.
@@ -386,7 +429,7 @@ fn creep(
 }
 
 /// Relaxes or, where the scene has it so, solves in two linear steps; and with friction up to date renews the limits and relaxes again.
-fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
+fn at_rest(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
     if model.is_two_step() {
         return two_step::solve(model, state, work);
     }

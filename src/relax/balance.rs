@@ -94,6 +94,8 @@ pub struct Balance {
     pub tractions: Vec<Traction>,
     /// Sum of the potentials of shear and torsion \[J\].
     pub shear_potential: f64,
+    /// Potential of the pressures of membranes \[J\].
+    pub membrane_potential: f64,
     /// Normal force of cement on each wall \[N\].
     pub cement_on_walls: [f64; wall::COUNT],
     /// Totals.
@@ -173,6 +175,8 @@ impl Balance {
             self.press_on_round(at);
         }
         self.weigh(at);
+        let membranes = &at.reference.membranes;
+        self.membrane_potential = membranes.press(at.position, &mut self.gradient);
         at.reference.evaluate(self, at);
     }
 
@@ -273,7 +277,7 @@ impl Balance {
     /// What the search for the equilibrium descends \[J\].
     #[must_use]
     pub fn potential(&self) -> f64 {
-        self.sums.energy + self.shear_potential
+        self.sums.energy + self.shear_potential + self.membrane_potential
     }
 }
 

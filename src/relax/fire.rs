@@ -32,6 +32,8 @@ pub struct Goal {
     /// Stress that the box is to have \[Pa\]; `None` fixes the walls. Each normal stress ends
     /// within `residual` of it.
     pub pressure: Option<f64>,
+    /// Whether all sides are strained alike, by the mean of the stresses.
+    pub even: bool,
     /// Most steps.
     pub steps: u32,
 }
@@ -69,7 +71,10 @@ fn run(
             return Status::NonFinite;
         }
         let excess = match goal.pressure {
-            Some(pressure) => excess(model, state, work, &bounds, pressure),
+            Some(pressure) => match (excess(model, state, work, &bounds, pressure), goal.even) {
+                (excess, true) => Vec3::repeat(excess.mean()),
+                (excess, false) => excess,
+            },
             None if sums.mean_force() < work.negligible_force => return Status::Unjammed,
             None => Vec3::zeros(),
         };

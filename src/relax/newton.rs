@@ -159,10 +159,12 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
 
 /// Takes the grains as loose that are much further from their balance than the others.
 fn find_loose(model: &Model, work: &mut Workspace) {
-    let Workspace { balance, loose, .. } = work;
+    let Workspace { balance, loose, reference, .. } = work;
     let limit = least_loose(model, balance).powi(2);
     for (i, (force, moment)) in balance.gradient.iter().zip(&balance.moment).enumerate() {
-        if force.norm_squared().max(moment.norm_squared()) > limit {
+        let far = force.norm_squared().max(moment.norm_squared()) > limit;
+        // One by one grains do not feel the pressure of a membrane.
+        if far && !reference.membranes.press_on(i) {
             loose.add(i);
         }
     }
@@ -327,14 +329,16 @@ fn hold_back(work: &mut Workspace, cap: f64) -> bool {
 
 /// Cuts the steps longer than `cap` \[m\] and takes those grains as loose; says whether there are any.
 fn cut(work: &mut Workspace, cap: f64) -> bool {
-    let Workspace { step, turn, loose, .. } = work;
+    let Workspace { step, turn, loose, reference, .. } = work;
     let mut any = false;
     for (i, (step, turn)) in step.iter_mut().zip(turn).enumerate() {
         let length = step.norm().max(turn.norm());
         if length > cap {
             *step *= cap / length;
             *turn *= cap / length;
-            loose.add(i);
+            if !reference.membranes.press_on(i) {
+                loose.add(i);
+            }
             any = true;
         }
     }

@@ -24,6 +24,9 @@ const MOST_FALLS: u32 = 10_000;
 /// times the mean force.
 const OPEN: f64 = 0.1;
 
+/// Contacts that a membrane counts as: more than any grain has.
+const PRESSED_ON: u32 = 1000;
+
 /// A grain whose weight is below this share of the mean contact force floats where nothing holds
 /// it, as it would without gravity.
 const LIGHT: f64 = 1e-4;
@@ -90,6 +93,10 @@ pub fn find(model: &Model, state: &mut State, work: &mut Workspace) {
     }
     rattlers.stack.clear();
     for i in 0..n {
+        // What a membrane presses on goes on until something holds it.
+        if reference.membranes.press_on(i) {
+            rattlers.degree[i] += PRESSED_ON;
+        }
         state.carries[i] = rattlers.degree[i] >= needed;
         if !state.carries[i] {
             rattlers.stack.push(i as u32);
@@ -193,6 +200,9 @@ pub fn release(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
         let first = neighbours.row(i).start;
         let row = &balance.links[first..first + balance.links_in_row[i] as usize];
         support[i] += row.len() as u32;
+        if reference.membranes.press_on(i) {
+            support[i] += PRESSED_ON;
+        }
         for link in row {
             support[link.second as usize] += 1;
         }

@@ -57,13 +57,13 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// The drives of `setpoint`, in the order of the axes. Round walls are driven one by one.
+    /// The drives of `setpoint`, in the order of the axes. Round walls and membranes have their own.
     #[must_use]
     pub fn of(model: &Model, setpoint: &Setpoint) -> Vec<Self> {
         let alone = |w: usize| {
             let load = setpoint[w].load()?;
-            let shares = if w == 0 { [1.0, 0.0] } else { [0.0, 1.0] };
-            Some(Self { axis: 0, shares, load })
+            let shares = if w % 2 == 0 { [1.0, 0.0] } else { [0.0, 1.0] };
+            Some(Self { axis: wall::axis(w), shares, load })
         };
         let drive = |axis: usize| {
             let loads = [setpoint[2 * axis].load(), setpoint[2 * axis + 1].load()];
@@ -75,10 +75,22 @@ impl Drive {
             };
             Some(Self { axis, shares, load })
         };
-        match model.is_round() {
-            false => (0..3).filter_map(drive).collect(),
-            true => (0..2).filter_map(alone).chain(drive(2)).collect(),
+        let Some(cell) = &model.cell else { return (0..3).filter_map(drive).collect() };
+        let mut drives = Vec::new();
+        for axis in 0..3 {
+            let pair = [2 * axis, 2 * axis + 1];
+            match cell.is_paired(axis) && !pair.iter().any(|&w| cell.is_membrane(w)) {
+                true => drives.extend(drive(axis)),
+                false => drives.extend(pair.into_iter().filter_map(alone)),
+            }
         }
+        drives
+    }
+
+    /// Whether it is the pressure of a membrane, which no wall moves by.
+    #[must_use]
+    pub(super) fn is_membrane(&self, model: &Model) -> bool {
+        model.cell.as_ref().is_some_and(|cell| cell.is_membrane(self.wall()))
     }
 
     /// A wall that moves.

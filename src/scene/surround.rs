@@ -194,7 +194,7 @@ fn check_points(walls: &Walls, at: &Field, problems: &mut Problems) {
 }
 
 /// Membranes press from the start on, and with a stress.
-fn check_pressures(walls: &Walls, at: &Field, problems: &mut Problems) {
+fn check_pressed(walls: &Walls, at: &Field, problems: &mut Problems) {
     let targets = walls.targets.in_order();
     for side in &walls.membranes {
         let name = wall::NAMES[side.index()];
@@ -205,6 +205,11 @@ fn check_pressures(walls: &Walls, at: &Field, problems: &mut Problems) {
             );
         }
     }
+}
+
+fn check_pressures(walls: &Walls, at: &Field, problems: &mut Problems) {
+    check_pressed(walls, at, problems);
+    let targets = walls.targets.in_order();
     for side in &walls.membranes {
         let beside = [0, 1].map(|k| 2 * (1 - wall::axis(side.index()).min(1)) + k);
         let plain = |w: &usize| {
