@@ -63,13 +63,12 @@ use site::{Adjacency, Others};
 use tangential::{Changes, Reference};
 use two_step::TwoStep;
 
-/// Times that a pack settles in new membranes, and most steps of each.
+/// Times that a pack slides into new membranes, and most steps of each.
 const WRAPS: u32 = 5;
 const WRAP_STEPS: u32 = 20_000;
-/// Residual at which it need not, at first and later; that to which it does.
-const NEAR: f64 = 1e-3;
-const SETTLED: f64 = 3e-2;
-const FIRST: f64 = 1e-3;
+/// Residual at which it need not any more, and its root mean square to which it does.
+const NEAR: f64 = 3e-2;
+const WRAPPED: f64 = 1e-3;
 
 /// Times that floating grains which turn out to carry load may join the balance.
 const ROUNDS: u32 = 40;
@@ -327,31 +326,32 @@ impl Workspace {
     }
 
     /// Puts the membranes of a pack as it was given around it. One that is far from the balance with
-    /// them, and remembers no friction, settles under them first, as it was made: without friction.
+    /// them, and remembers no friction, slides into it first: grains that only a wall held are far from
+    /// any.
     pub fn wrap(&mut self, model: &Model, state: &mut State) {
         let Some(cell) = &model.cell else { return };
         membrane::begin(cell, state);
         if state.pressure.iter().all(|&pressure| pressure == 0.0) {
             return;
         }
-        let residual = |work: &Self| {
-            newton::residual(model, work.balance.largest(), work.balance.sums.mean_force())
-        };
-        for round in 0..WRAPS {
-            self.reference.active = false;
-            rattlers::find(model, state, self);
-            self.reference.membranes.wrap(model, state);
-            if !state.memory.contacts.is_empty() {
+        let fresh = state.memory.contacts.is_empty();
+        for _ in 0..WRAPS {
+            self.begin(model, state);
+            if !fresh {
                 break;
             }
             self.evaluate(model, state, &state.bounds(model));
-            if residual(self) < [NEAR, SETTLED][usize::from(round > 0)] {
+            let (largest, mean) = (self.balance.largest(), self.balance.sums.mean_force());
+            if newton::residual(model, largest, mean) < NEAR {
                 break;
             }
-            let goal = fire::Goal { residual: FIRST, pressure: None, even: false, steps: WRAP_STEPS };
+            let goal =
+                fire::Goal { residual: WRAPPED, pressure: None, even: false, steps: WRAP_STEPS };
             fire::descend(model, state, self, goal);
+            self.commit(model, state);
+            rattlers::find(model, state, self);
         }
-        self.reference.membranes.mark(state);
+        self.reference.membranes.mark(model, state);
     }
 
     /// Moves the sides of an equilibrium that are membranes with the pack.

@@ -81,6 +81,8 @@ pub struct Twin {
     chain_share: f64,
     /// Which moduli are asked for.
     moduli: ModuliKind,
+    /// Whether strain is that since the start.
+    refers_to_start: bool,
 }
 
 impl Twin {
@@ -132,6 +134,7 @@ impl Twin {
                 .then(Past::default),
             chain_share: scene.outputs.chain_share,
             moduli: scene.outputs.moduli,
+            refers_to_start: scene.reference.is_none(),
             model,
         })
     }
@@ -169,6 +172,10 @@ impl Twin {
             report.disposition = Disposition::NotConverged;
             report.text = format!("the pack as given: {}", self.explain(&outcome, 0.0));
             return report;
+        }
+        if self.refers_to_start && self.model.cell.is_some() {
+            // Membranes have gone from where the walls were to the surface.
+            self.model.reference = *self.state.bounds(&self.model);
         }
         self.state.initial_energy = outcome.sums.energy + self.state.friction.stored;
         report.text = match (outcome.status, outcome.iterations) {
@@ -417,7 +424,7 @@ impl Twin {
             grains[order as usize] = Grain { position, ..self.model.grain(k) };
         }
         Pack {
-            bounds: *self.state.bounds(&self.model),
+            bounds: *self.state.hull(&self.model),
             grains,
             history: self.state.history(&self.model),
         }

@@ -129,6 +129,15 @@ impl Cell {
         }
     }
 
+    /// How far out of the pack the wall of side `w` is at the start \[m\]: a radius, or along its normal.
+    #[must_use]
+    pub fn outermost(&self, w: usize) -> f64 {
+        match self.radii(&[0.0; wall::COUNT]) {
+            Some(radii) => radii.get(w).copied().unwrap_or(0.0),
+            None => -wall::inward(w) * self.start.position(w),
+        }
+    }
+
     /// Whether side `w` has points instead of a wall.
     #[must_use]
     pub fn has_points(&self, w: usize) -> bool {
@@ -186,9 +195,9 @@ impl Cell {
     /// The room between the sides.
     #[must_use]
     pub fn room(&self, displacement: &[f64; wall::COUNT]) -> Room {
-        let inner = self.radii(displacement).map(|[inner, _]| inner);
+        let radii = self.radii(displacement);
         let walls = std::array::from_fn(|w| self.has(w) && !self.is_membrane(w));
-        Room::new(self.bounds(displacement), inner, walls)
+        Room::new(self.bounds(displacement), radii, walls)
     }
 
     /// Volume that the sides enclose \[m³\].

@@ -228,19 +228,21 @@ impl Membranes {
         self.all.iter().map(|membrane| membrane.work(&state.position)).sum()
     }
 
-    /// The sides begin where the surfaces of `state` are now.
-    pub(super) fn mark(&self, state: &mut State) {
+    /// Notes where the surfaces of `state` are at the start, and takes its sides there.
+    pub(super) fn mark(&self, model: &Model, state: &mut State) {
         for membrane in &self.all {
-            let side = membrane.side;
-            state.outline[side] = membrane.position(&state.position) + state.displacement[side];
+            state.outline[membrane.side] = membrane.position(&state.position);
         }
+        self.lead(model, state);
     }
 
-    /// Moves the sides of `state` with its surfaces; says whether any moved.
+    /// Takes the sides of `state` to where its surfaces are on average; says whether any moved.
     pub(super) fn lead(&self, model: &Model, state: &mut State) -> bool {
         let mut moved = false;
         for membrane in &self.all {
-            let displacement = state.outline[membrane.side] - membrane.position(&state.position);
+            let Some(cell) = &model.cell else { continue };
+            let outermost = cell.outermost(membrane.side);
+            let displacement = outermost - membrane.position(&state.position);
             let way = displacement - state.displacement[membrane.side];
             moved |= way.abs() > SETTLED * model.start.sides()[wall::axis(membrane.side)];
             state.displacement[membrane.side] = displacement;

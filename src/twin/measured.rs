@@ -20,6 +20,7 @@ use crate::report::{
     WallForces,
 };
 use crate::scene::ModuliKind;
+use crate::state::State;
 use crate::wall::Room;
 
 /// What stress and strain of the box are derived from.
@@ -135,7 +136,7 @@ impl Twin {
                 None => normal[2] - 0.5 * (normal[0] + normal[1]),
                 Some(_) => normal[1] - normal[0],
             },
-            porosity: porosity::porosity(model, &contacts.list, state.volume(model)),
+            porosity: porosity::porosity(model, &contacts.list, solid_in(model, state)),
             coordination_number: f64::from(numbers.iter().sum::<u32>()) / model.len() as f64,
             sliding_ratio: contacts.sliding_ratio(),
             slipped: contacts.counted().filter(|c| c.slipped).count() as u32,
@@ -239,6 +240,14 @@ impl Twin {
     pub fn fabric(&mut self) -> Fabric {
         let contacts = self.contacts();
         fabric::fabric(&self.model, &self.state, &contacts, self.chain_share)
+    }
+}
+
+/// Volume that the grains are in as a whole \[m³\].
+fn solid_in(model: &Model, state: &State) -> f64 {
+    match &model.cell {
+        None => state.volume(model),
+        Some(_) => state.hull(model).volume(),
     }
 }
 

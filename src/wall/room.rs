@@ -12,8 +12,8 @@ use crate::Vec3;
 pub struct Room {
     /// The box; that of a cylinder is the square around it.
     bounds: Bounds,
-    /// Radius of the inner cylinder \[m\], 0 without one; `None` for a box.
-    inner: Option<f64>,
+    /// Radii of the inner cylinder, 0 without one, and of the outer one \[m\]; `None` for a box.
+    radii: Option<[f64; 2]>,
     /// Whether each wall is there.
     walls: [bool; COUNT],
 }
@@ -40,16 +40,16 @@ impl Deref for Room {
 impl From<Bounds> for Room {
     /// A box with all its walls.
     fn from(bounds: Bounds) -> Self {
-        Self { bounds, inner: None, walls: [true; COUNT] }
+        Self { bounds, radii: None, walls: [true; COUNT] }
     }
 }
 
 impl Room {
-    /// A room in the box `bounds`, round where `inner` is the radius of its inner cylinder \[m\], with
-    /// the walls that are there.
+    /// A room in the box `bounds`, round where it has an inner and an outer radius \[m\], with the walls
+    /// that are there.
     #[must_use]
-    pub fn new(bounds: Bounds, inner: Option<f64>, walls: [bool; COUNT]) -> Self {
-        Self { bounds, inner, walls }
+    pub fn new(bounds: Bounds, radii: Option<[f64; 2]>, walls: [bool; COUNT]) -> Self {
+        Self { bounds, radii, walls }
     }
 
     /// Whether wall `wall` is there.
@@ -61,13 +61,13 @@ impl Room {
     /// Inner and outer radius \[m\]; `None` for a box.
     #[must_use]
     pub fn radii(&self) -> Option<[f64; 2]> {
-        self.inner.map(|inner| [inner, 0.5 * self.bounds.sides()[0]])
+        self.radii
     }
 
     /// Whether it is round.
     #[must_use]
     pub fn is_round(&self) -> bool {
-        self.inner.is_some()
+        self.radii.is_some()
     }
 
     /// From the axis of a round room to `at` \[m\].
@@ -81,8 +81,8 @@ impl Room {
     #[must_use]
     #[inline]
     pub fn facing(&self, at: &Vec3, wall: usize) -> Facing {
-        match self.inner {
-            Some(inner) if wall < 2 => {
+        match self.radii {
+            Some([inner, outer]) if wall < 2 => {
                 let branch = self.from_axis(at);
                 let distance = branch.norm().max(f64::MIN_POSITIVE);
                 let outwards = branch / distance;
@@ -91,7 +91,7 @@ impl Room {
                         Facing { gap: distance - inner, normal: outwards, bend: 1.0 / distance }
                     }
                     _ => {
-                        let gap = 0.5 * self.bounds.sides()[0] - distance;
+                        let gap = outer - distance;
                         Facing { gap, normal: -outwards, bend: -1.0 / distance }
                     }
                 }
@@ -109,7 +109,7 @@ impl Room {
     #[must_use]
     #[inline(always)]
     pub fn gap(&self, at: &Vec3, wall: usize) -> f64 {
-        match self.inner {
+        match self.radii {
             Some(_) if wall < 2 => self.facing(at, wall).gap,
             _ => (at[axis(wall)] - self.bounds.position(wall)) * inward(wall),
         }
