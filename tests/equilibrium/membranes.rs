@@ -102,42 +102,42 @@ fn the_pull_of_a_membrane_is_the_slope_of_its_potential() {
         "membranes: [y_min, y_max], targets: {y_min: {stress: 2.0e6}, y_max: {stress: 2.0e6}}",
         ROUGH,
     );
-    for (scene, pack) in [(round_scene(2e6, ""), round()), (flat, &box_pack)] {
+    for (scene, pack) in [(round_scene(2e6, ROUGH), round()), (flat, &box_pack)] {
         let model = Model::new(pack, &scene);
         let mut state = State::new(&model);
         let mut work = Workspace::new(&model);
         work.wrap(&model, &mut state);
         work.start(&model, &state);
         let bounds = state.bounds(&model);
-        let mut at = |position: &[Vec3]| {
-            let mut moved = state.clone();
-            moved.position = position.to_vec();
-            work.evaluate(&model, &moved, &bounds);
-            (work.balance.membrane_potential, work.balance.sums.energy, work.balance.gradient.clone())
-        };
         let start = state.position.clone();
+        work.evaluate(&model, &state, &bounds);
+        let once = work.balance.gradient.clone();
+        // Twice the pressure on the same surface: what is more is its pull.
+        state.pressure = state.pressure.map(|pressure| 2.0 * pressure);
+        work.start(&model, &state);
+        work.evaluate(&model, &state, &bounds);
+        let pull: Vec<Vec3> =
+            work.balance.gradient.iter().zip(&once).map(|(two, one)| two - one).collect();
+        let mut potential = |position: Vec<Vec3>| {
+            let mut moved = state.clone();
+            moved.position = position;
+            work.evaluate(&model, &moved, &bounds);
+            0.5 * work.balance.membrane_potential
+        };
         let n = start.len();
-        let (_, _, gradient) = at(&start);
-        let step = 1e-3 * R;
+        let step = 1e-2 * R;
+        assert!(pull.iter().map(Vec3::norm).sum::<f64>() > 10.0 * 2e6 * R * R);
         for seed in 0..5 {
             let d = vectors(seed + 1, n);
-            let moved = |sign: f64| -> Vec<Vec3> {
-                start.iter().zip(&d).map(|(at, d)| at + d * (sign * step)).collect()
+            let mut difference = |step: f64| {
+                let moved = |step: f64| start.iter().zip(&d).map(|(at, d)| at + d * step).collect();
+                0.5 * (potential(moved(step)) - potential(moved(-step)))
             };
             // p V is a polynomial of the third degree: two differences are exact.
-            let potential = |step: f64| (at(&moved(step)).0 - at(&moved(-step)).0) / 2.0;
-            let mut potential = potential;
-            let [one, two] = [1.0, 2.0].map(&mut potential);
-            let slope = (8.0 * one - two) / 6.0 / step;
-            let whole: f64 = gradient.iter().zip(&d).map(|(g, d)| g.dot(d)).sum();
-            // Without the contacts, whose slope is known.
-            let small = 1e-6 * R;
-            let tiny = |sign: f64| -> Vec<Vec3> {
-                start.iter().zip(&d).map(|(at, d)| at + d * (sign * small)).collect()
-            };
-            let contacts = (at(&tiny(1.0)).1 - at(&tiny(-1.0)).1) / (2.0 * small);
+            let slope = (8.0 * difference(step) - difference(2.0 * step)) / (6.0 * step);
+            let want: f64 = pull.iter().zip(&d).map(|(g, d)| g.dot(d)).sum();
             let scale = 2e6 * R * R * (n as f64).sqrt();
-            assert!((whole - contacts - slope).abs() < 1e-6 * scale, "{whole} {contacts} {slope}");
+            assert!((want - slope).abs() < 1e-9 * scale, "{want} {slope}");
         }
     }
 }
@@ -227,8 +227,9 @@ fn a_membrane_holds_a_round_pack() {
     }
     let rise = last.deviatoric_stress - first.deviatoric_stress;
     assert!(rise > 2e5, "{rise}");
-    assert!(first.deviatoric_stress.abs() < 4e5, "{}", first.deviatoric_stress);
-    assert_eq!(first.strain, [0.0; 3]);
+    // The platens stood while the pack slid into its membrane.
+    assert!(first.deviatoric_stress.abs() < 1e6, "{}", first.deviatoric_stress);
+    assert!(first.strain.iter().all(|strain| strain.abs() < 1e-5));
     // Work of platens and pressure is what is stored and lost.
     let worked = last.wall_work - first.wall_work;
     let kept = last.stored_energy - first.stored_energy + lost(&last) - lost(&first);
