@@ -181,9 +181,8 @@ fn scatter(
     let compliance = hertz::compliance(material.young, material.poisson);
     let strain = overlap_strain(spec.confining_stress, radius, compliance) + QUENCH_STRAIN;
     if let Some(inner) = inner {
-        let in_fraction = |fraction: f64| {
-            Cylinder::of(solid / fraction, spec.aspect[2] / spec.aspect[0], inner)
-        };
+        let in_fraction =
+            |fraction: f64| Cylinder::of(solid / fraction, spec.aspect[2] / spec.aspect[0], inner);
         let layer = WALL_LAYER * 2.0 * radius * in_fraction(JAMMED_FRACTION).walls_over_volume();
         let fraction = JAMMED_FRACTION * (1.0 - layer).max(0.5) * (1.0 + 3.0 * strain);
         return in_fraction(fraction).scatter(grains, rng);

@@ -21,7 +21,9 @@ pub(super) fn of(model: &Model, setpoint: &Setpoint) -> Vec<Load> {
                 alone[w ^ 1] = Control::Displacement(0.0);
                 Load::of(model, &alone).into_iter().find(|load| load.axis == axis)
             })),
-            false => loads.extend(Load::of(model, setpoint).into_iter().filter(|load| load.axis == axis)),
+            false => {
+                loads.extend(Load::of(model, setpoint).into_iter().filter(|load| load.axis == axis))
+            }
         }
     }
     loads

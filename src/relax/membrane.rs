@@ -253,7 +253,9 @@ impl Membranes {
     /// Memory that its lists hold \[bytes\].
     pub(super) fn heap_bytes(&self) -> usize {
         let lists = |m: &Membrane| heap::bytes(&m.corners) + heap::bytes(&m.triangles);
-        heap::bytes(&self.all) + heap::bytes(&self.under) + self.all.iter().map(lists).sum::<usize>()
+        heap::bytes(&self.all)
+            + heap::bytes(&self.under)
+            + self.all.iter().map(lists).sum::<usize>()
     }
 }
 

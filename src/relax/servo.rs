@@ -29,7 +29,7 @@ use crate::model::Model;
 use crate::relax::linear::Inner;
 use crate::relax::{Workspace, newton};
 use crate::state::State;
-use crate::wall::{self, Room, Load, Setpoint};
+use crate::wall::{self, Load, Room, Setpoint};
 
 /// Overlaps change by this share between the two balances of a difference.
 const DIFFERENCE: f64 = 1e-4;
@@ -62,7 +62,7 @@ impl Drive {
     pub fn of(model: &Model, setpoint: &Setpoint) -> Vec<Self> {
         let alone = |w: usize| {
             let load = setpoint[w].load()?;
-            let shares = if w % 2 == 0 { [1.0, 0.0] } else { [0.0, 1.0] };
+            let shares = if w.is_multiple_of(2) { [1.0, 0.0] } else { [0.0, 1.0] };
             Some(Self { axis: wall::axis(w), shares, load })
         };
         let drive = |axis: usize| {
@@ -349,9 +349,7 @@ fn unbalanced(state: &State, work: &Workspace, bounds: &Room) -> Vector3<f64> {
 
 /// X·g \[N\].
 fn carried_force(drive: &Drive, state: &State, gradient: &[Vec3], bounds: &Room) -> f64 {
-    (state.position.iter().zip(gradient))
-        .map(|(at, g)| drive.carried(at, bounds).dot(g))
-        .sum()
+    (state.position.iter().zip(gradient)).map(|(at, g)| drive.carried(at, bounds).dot(g)).sum()
 }
 
 fn dot(one: &[Vec3], other: &[Vec3]) -> f64 {
@@ -481,7 +479,8 @@ mod tests {
     #[test]
     fn walls_go_to_the_balance_of_a_pack_that_resists() {
         let stiffness = Matrix3::new(3e6, 1e6, 0.0, 1e6, 2e6, 0.0, 0.0, 0.0, 3e6);
-        let (step, motion) = wall_step(&servo(stiffness), &Vector3::new(-0.04, 0.01, 0.0), &unit_box());
+        let (step, motion) =
+            wall_step(&servo(stiffness), &Vector3::new(-0.04, 0.01, 0.0), &unit_box());
         assert_eq!(motion, Motion::Newton);
         // 3 x + y = 0.04, x + 2 y = -0.01, in 1e-6 m.
         assert!((step[0] - 0.018e-6).abs() < 1e-20 && (step[1] + 0.014e-6).abs() < 1e-20);
@@ -491,7 +490,8 @@ mod tests {
     #[test]
     fn walls_go_downhill_and_no_further_than_allowed_where_the_pack_yields() {
         let stiffness = Matrix3::from_diagonal(&Vector3::new(3e6, -1e3, 3e6));
-        let (step, motion) = wall_step(&servo(stiffness), &Vector3::new(0.0, -0.5, 0.0), &unit_box());
+        let (step, motion) =
+            wall_step(&servo(stiffness), &Vector3::new(0.0, -0.5, 0.0), &unit_box());
         assert_eq!((motion, step[0]), (Motion::Yielding, 0.0));
         assert!((step[1] / 1e-7 - 1.0).abs() < 1e-12, "{step:?}");
         let nothing = Matrix3::zeros();

@@ -239,8 +239,10 @@ fn check_steps(steps: &[Step], at: &Field, problems: &mut Problems) {
             Step::Repeat(repeat) => {
                 check_steps(&repeat.steps, &at.key("repeat").key("steps"), problems);
             }
-            _ => problems
-                .add(at, "strains a box, not a round cell; allowed: walls, unload, commands, repeat"),
+            _ => problems.add(
+                at,
+                "strains a box, not a round cell; allowed: walls, unload, commands, repeat",
+            ),
         }
     }
 }

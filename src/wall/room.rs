@@ -87,9 +87,7 @@ impl Room {
                 let distance = branch.norm().max(f64::MIN_POSITIVE);
                 let outwards = branch / distance;
                 match wall {
-                    0 => {
-                        Facing { gap: distance - inner, normal: outwards, bend: 1.0 / distance }
-                    }
+                    0 => Facing { gap: distance - inner, normal: outwards, bend: 1.0 / distance },
                     _ => {
                         let gap = outer - distance;
                         Facing { gap, normal: -outwards, bend: -1.0 / distance }
@@ -127,9 +125,7 @@ impl Room {
     pub fn volume(&self) -> f64 {
         match self.radii() {
             None => self.bounds.volume(),
-            Some([inner, outer]) => {
-                PI * (outer - inner) * (outer + inner) * self.bounds.sides()[2]
-            }
+            Some([inner, outer]) => PI * (outer - inner) * (outer + inner) * self.bounds.sides()[2],
         }
     }
 
@@ -169,7 +165,8 @@ impl Room {
     /// Where round walls take what was at `at` when the room becomes `after`.
     #[must_use]
     pub fn carry(&self, after: &Self, at: &Vec3) -> Vec3 {
-        let (Some([inner, outer]), Some([inner_after, outer_after])) = (self.radii(), after.radii())
+        let (Some([inner, outer]), Some([inner_after, outer_after])) =
+            (self.radii(), after.radii())
         else {
             return *at;
         };

@@ -252,8 +252,11 @@ fn a_ring_of_spheres_under_pressure_shrinks_as_its_contacts_do() {
     });
     let outer = at + 0.9995 * R;
     let max = [outer, outer, 0.9999 * R];
-    let pack =
-        Pack { bounds: Bounds { min: max.map(|x| -x), max }, grains: grains.collect(), history: None };
+    let pack = Pack {
+        bounds: Bounds { min: max.map(|x| -x), max },
+        grains: grains.collect(),
+        history: None,
+    };
     let (mut rig, report) = Rig::start(&scene_in(None, "", ""), &pack);
     assert_eq!(report.disposition, Disposition::Applied, "{}", report.text);
     let stress = 1e6;

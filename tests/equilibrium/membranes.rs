@@ -36,8 +36,7 @@ fn round_scene(pressure: f64, rest: &str) -> Scene {
 fn round() -> &'static Pack {
     static PACK: OnceLock<Pack> = OnceLock::new();
     PACK.get_or_init(|| {
-        let walls =
-            Walls { cell: Cell::Cylinder(Cylinder::default()), ..Walls::default() };
+        let walls = Walls { cell: Cell::Cylinder(Cylinder::default()), ..Walls::default() };
         let recipe = Generate { aspect: [1.0, 1.0, 1.5], ..recipe(300, 2e6, 5) };
         let mut pack = generate(&recipe, &GLASS, &walls, 0.0, Solver::default()).unwrap();
         pack.grains.iter_mut().for_each(|grain| grain.friction = 0.4);
@@ -93,8 +92,9 @@ fn flat_scene(membranes: bool, pressure: f64) -> Scene {
 #[test]
 fn the_pull_of_a_membrane_is_the_slope_of_its_potential() {
     let box_pack = {
-        let mut pack = generate(&recipe(150, 2e6, 7), &GLASS, &Walls::default(), 0.0, Solver::default())
-            .unwrap();
+        let mut pack =
+            generate(&recipe(150, 2e6, 7), &GLASS, &Walls::default(), 0.0, Solver::default())
+                .unwrap();
         pack.grains.iter_mut().for_each(|grain| grain.friction = 0.4);
         pack
     };
@@ -276,8 +276,11 @@ fn a_ring_of_spheres_carries_its_membrane() {
     });
     let outer = at + R;
     let max = [outer, outer, 0.99999 * R];
-    let pack =
-        Pack { bounds: Bounds { min: max.map(|x| -x), max }, grains: grains.collect(), history: None };
+    let pack = Pack {
+        bounds: Bounds { min: max.map(|x| -x), max },
+        grains: grains.collect(),
+        history: None,
+    };
     let walls = format!(
         "cell: {{cylinder: {{inner: {:e}}}}}, membranes: [x_max], targets: {{x_max: {{stress: 1.0e6}}}}",
         at - 1.0002 * R
@@ -317,7 +320,9 @@ fn what_is_no_order_for_a_membrane_is_refused() {
         ("membranes: [z_max], targets: {z_max: {stress: 1.0e6}}", "", "walls.membranes[0]"),
         (&format!("membranes: [x_max, y_max], targets: {{{pressed}}}"), "", "walls.membranes[1]"),
         (
-            &format!("membranes: [x_min], cell: {{cylinder: {{inner: 1.0}}}}, targets: {{{pressed}}}"),
+            &format!(
+                "membranes: [x_min], cell: {{cylinder: {{inner: 1.0}}}}, targets: {{{pressed}}}"
+            ),
             "",
             "walls.membranes[0]",
         ),

@@ -49,9 +49,8 @@ pub(super) fn find(
     let carrying = (0..at.len()).filter(|&i| state.carries[i]);
     sight.order = carrying.map(|i| (sight.out_of(&at[i]) + sight.reach(i), i as u32)).collect();
     sight.order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-    let seen: Vec<u32> = (0..at.len() as u32)
-        .filter(|&i| state.carries[i as usize] && sight.sees(i))
-        .collect();
+    let seen: Vec<u32> =
+        (0..at.len() as u32).filter(|&i| state.carries[i as usize] && sight.sees(i)).collect();
     let mut corners: Vec<Corner> =
         seen.iter().map(|&grain| Corner { grain, on: [None; 3] }).collect();
     for on in sight.edges() {
@@ -151,9 +150,10 @@ impl Sight<'_> {
         let line = self.line(i, [None; 3]);
         let Some(own) = self.stop(&line, i) else { return false };
         let further = self.order.iter().take_while(|(furthest, _)| *furthest >= own);
-        further.map(|&(_, j)| j).filter(|&j| j != i).all(|j| {
-            self.stop(&line, j).is_none_or(|stop| stop < own || stop == own && i < j)
-        })
+        further
+            .map(|&(_, j)| j)
+            .filter(|&j| j != i)
+            .all(|j| self.stop(&line, j).is_none_or(|stop| stop < own || stop == own && i < j))
     }
 
     /// The walls at the edges: one coordinate on one of them.

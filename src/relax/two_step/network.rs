@@ -102,7 +102,12 @@ impl Network {
             for (w, reach) in near.walls_near(model, i) {
                 let overlap = reach - wall_gap(&at, usize::from(w), &bounds);
                 if overlap > 0.0 {
-                    add(Other::Wall(w), inward_normal(w), near.wall_modulus(i, usize::from(w)), overlap);
+                    add(
+                        Other::Wall(w),
+                        inward_normal(w),
+                        near.wall_modulus(i, usize::from(w)),
+                        overlap,
+                    );
                 }
             }
         }

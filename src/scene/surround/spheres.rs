@@ -43,7 +43,8 @@ pub(super) fn check(scene: &Scene, at: &Field, problems: &mut Problems) {
         && spec.aspect[0] != spec.aspect[1]
     {
         let aspect = pack.key("generate").key("aspect").index(1);
-        problems.add(aspect, "a cylinder is as wide along y as along x; allowed: the same as for x");
+        problems
+            .add(aspect, "a cylinder is as wide along y as along x; allowed: the same as for x");
     }
     for (index, step) in scene.pack.prepare.iter().enumerate() {
         if matches!(step, prepare::Step::Uniaxial(step) if step.axis != Axis::Z) {
@@ -81,7 +82,8 @@ fn check_membranes(scene: &Scene, at: &Field, problems: &mut Problems) {
     }
     if !walls.membranes.is_empty() && scene.solver.method != Method::Newton {
         let at = Field::root().key("solver").key("method");
-        problems.add(at, "moves grains without their membrane; allowed with walls.membranes: newton");
+        problems
+            .add(at, "moves grains without their membrane; allowed with walls.membranes: newton");
     }
 }
 
@@ -90,7 +92,10 @@ fn check_rest(scene: &Scene, problems: &mut Problems) {
     let root = Field::root();
     let mut not = |field: Field, text: &str| problems.add(field, text);
     if matches!(scene.contact.normal, Normal::Cement(_)) {
-        not(root.key("contact").key("normal"), "cement is between plane walls only; allowed: hertz");
+        not(
+            root.key("contact").key("normal"),
+            "cement is between plane walls only; allowed: hertz",
+        );
     }
     if scene.outputs.moduli.takes_tangent() {
         let text = "tangent moduli are those of a box of plane walls; allowed: secant, none";
