@@ -22,7 +22,8 @@ pub(super) fn of(model: &Model, setpoint: &Setpoint) -> Vec<Load> {
                 Load::of(model, &alone).into_iter().find(|load| load.axis == axis)
             })),
             false => {
-                loads.extend(Load::of(model, setpoint).into_iter().filter(|load| load.axis == axis))
+                loads
+                    .extend(Load::of(model, setpoint).into_iter().filter(|load| load.axis == axis));
             }
         }
     }
