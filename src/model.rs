@@ -11,7 +11,7 @@ use crate::contact::{Other, hertz, mindlin};
 use crate::pack::{Grain, Pack};
 use crate::plane;
 use crate::scene::{self, Cement, Coulomb, Law, Scene, Solver, Update, Walls};
-use crate::wall::{self, Bounds};
+use crate::wall::{self, Bounds, Room};
 use hydrate::Hydrate;
 
 /// Streams into which the grains are cut, then dealt one after the other.
@@ -67,6 +67,8 @@ pub struct Model {
     /// Mean contact force below which residuals are those of this force \[N\]: cement can be free of
     /// any load, and so can discs that just touch. 0 without cement and linear contacts.
     pub least_force: f64,
+    /// What surrounds spheres besides six plane walls; `None` for these and for discs.
+    pub cell: Option<plane::Cell>,
     /// What makes the grains discs; `None` for spheres.
     pub plane: Option<plane::Setup>,
     /// What the rounding of coordinates makes of cement, or of discs, that are free of load \[N\]; 0
@@ -180,6 +182,7 @@ impl Model {
                 model.rounding_force = normal * ROUNDINGS * f64::EPSILON * furthest(&pack.bounds);
             }
             model.plane = Some(setup);
+            model.cell = None;
         }
         model.hydrate = Hydrate::of(&model);
         model
@@ -219,6 +222,7 @@ impl Model {
             friction: None,
             cement: None,
             least_force: 0.0,
+            cell: plane::Cell::of_spheres(walls, &pack.bounds),
             plane: None,
             rounding_force: 0.0,
             grains,
@@ -237,12 +241,31 @@ impl Model {
         if self.plane.is_some() { 2 } else { 3 }
     }
 
-    /// The box with its walls displaced inwards by `displacement` \[m\].
+    /// The room between the walls displaced inwards by `displacement` \[m\].
     #[must_use]
-    pub fn bounds(&self, displacement: &[f64; wall::COUNT]) -> Bounds {
-        match &self.plane {
-            None => self.start.displaced(displacement),
-            Some(setup) => setup.cell.bounds(displacement),
+    pub fn bounds(&self, displacement: &[f64; wall::COUNT]) -> Room {
+        match (&self.plane, &self.cell) {
+            (None, None) => self.start.displaced(displacement).into(),
+            (None, Some(cell)) => cell.room(displacement),
+            (Some(setup), _) => setup.cell.bounds(displacement).into(),
+        }
+    }
+
+    /// Whether spheres are in a cylinder.
+    #[must_use]
+    pub fn is_round(&self) -> bool {
+        self.cell.as_ref().is_some_and(|cell| cell.inner.is_some())
+    }
+
+    /// R* of grain `i` at wall `w` \[m\]: √(R' R'') of the relative radii of curvature, which is its
+    /// own radius r at a plane and r / √(1 ± r/R) at a cylinder of radius R that bends away from it or
+    /// around it.
+    #[must_use]
+    pub fn wall_radius(&self, i: usize, w: usize) -> f64 {
+        let radius = self.radius[i];
+        match self.cell.as_ref().and_then(|cell| cell.curvature(w)) {
+            None => radius,
+            Some(curvature) => radius / (1.0 + radius * curvature).sqrt(),
         }
     }
 
@@ -250,7 +273,7 @@ impl Model {
     #[must_use]
     pub fn wall_area(&self, w: usize, displacement: &[f64; wall::COUNT]) -> f64 {
         match &self.plane {
-            None => self.start.displaced(displacement).area(w),
+            None => self.bounds(displacement).area(w),
             Some(setup) => setup.cell.area(w, displacement),
         }
     }

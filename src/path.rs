@@ -223,7 +223,7 @@ struct Course {
     start: Bounds,
     /// Axes that have walls: x and y, and z but for discs.
     axes: usize,
-    /// What surrounds discs.
+    /// What surrounds the pack; `None` for six plane walls.
     cell: Option<Cell>,
     /// What the last command has the walls do.
     targets: [WallTarget; wall::COUNT],
@@ -264,7 +264,7 @@ impl Course {
 
     /// Of the grains of `scene`.
     fn of(scene: &Scene, start: Bounds) -> Self {
-        let cell = (scene.dimension == 2).then(|| Cell::new(&scene.walls, &start));
+        let cell = Cell::of(scene, &start);
         let mut course =
             Self { axes: usize::from(scene.dimension).min(3), cell, ..Self::new(start) };
         let Some(cell) = &course.cell else { return course };

@@ -26,6 +26,7 @@ pub mod jump;
 pub mod lanes;
 pub mod linear;
 mod loose;
+pub(crate) mod membrane;
 pub mod newton;
 pub mod rattlers;
 mod rows;
@@ -48,7 +49,7 @@ use crate::model::Model;
 use crate::plane;
 use crate::scene::Method;
 use crate::state::{Bond, Memory, State};
-use crate::wall::{self, Bounds};
+use crate::wall::{self, Room};
 use balance::{Balance, Configuration, Sums};
 use coupled::Coupled;
 use dynamic::Inertia;
@@ -61,6 +62,13 @@ use servo::Servo;
 use site::{Adjacency, Others};
 use tangential::{Changes, Reference};
 use two_step::TwoStep;
+
+/// Times that a pack slides into new membranes, and most steps of each.
+const WRAPS: u32 = 5;
+const WRAP_STEPS: u32 = 20_000;
+/// Residual at which it need not any more, and its root mean square to which it does.
+const NEAR: f64 = 3e-2;
+const WRAPPED: f64 = 1e-3;
 
 /// Times that floating grains which turn out to carry load may join the balance.
 const ROUNDS: u32 = 40;
@@ -279,7 +287,7 @@ impl Workspace {
     }
 
     /// Evaluates the balance of `state` in the box `bounds`.
-    pub fn evaluate(&mut self, model: &Model, state: &State, bounds: &Bounds) {
+    pub fn evaluate(&mut self, model: &Model, state: &State, bounds: &Room) {
         self.neighbours.refresh(model, &state.position, bounds);
         self.balance.evaluate(&Configuration {
             model,
@@ -301,6 +309,7 @@ impl Workspace {
     pub fn begin(&mut self, model: &Model, state: &State) {
         self.neighbours.refresh(model, &state.position, &state.bounds(model));
         self.take_bonds(model, state);
+        self.reference.membranes.wrap(model, state);
         self.reference.begin(model, state, &self.neighbours, false);
         if model.is_two_step() {
             self.two_step.begin(state);
@@ -312,7 +321,42 @@ impl Workspace {
     pub fn start(&mut self, model: &Model, state: &State) {
         self.neighbours.refresh(model, &state.position, &state.bounds(model));
         self.take_bonds(model, state);
+        self.reference.membranes.wrap(model, state);
         self.reference.begin(model, state, &self.neighbours, true);
+    }
+
+    /// Puts the membranes of a pack as it was given around it. One that is far from the balance with
+    /// them, and remembers no friction, slides into it first: grains that only a wall held are far from
+    /// any.
+    pub fn wrap(&mut self, model: &Model, state: &mut State) {
+        let Some(cell) = &model.cell else { return };
+        membrane::begin(cell, state);
+        if state.pressure.iter().all(|&pressure| pressure == 0.0) {
+            return;
+        }
+        let fresh = state.memory.contacts.is_empty();
+        for _ in 0..WRAPS {
+            self.begin(model, state);
+            if !fresh {
+                break;
+            }
+            self.evaluate(model, state, &state.bounds(model));
+            let (largest, mean) = (self.balance.largest(), self.balance.sums.mean_force());
+            if newton::residual(model, largest, mean) < NEAR {
+                break;
+            }
+            let goal =
+                fire::Goal { residual: WRAPPED, pressure: None, even: false, steps: WRAP_STEPS };
+            fire::descend(model, state, self, goal);
+            self.commit(model, state);
+            rattlers::find(model, state, self);
+        }
+        self.reference.membranes.mark(model, state);
+    }
+
+    /// Moves the sides of an equilibrium that are membranes with the pack.
+    pub fn lead(&mut self, model: &Model, state: &mut State) {
+        self.reference.membranes.lead(model, state);
     }
 
     /// Tells the neighbour list where cement stands between the bodies or stood.
@@ -434,7 +478,7 @@ impl Workspace {
 
     /// Puts the grains of `state`, moved by `factor` times the step, on trial, and the walls under
     /// loads with them; returns the box.
-    fn go(&mut self, model: &Model, state: &State, factor: f64) -> Bounds {
+    fn go(&mut self, model: &Model, state: &State, factor: f64) -> Room {
         self.trial_displacement = self.servo.displaced(&state.displacement, factor);
         self.trial.clear();
         self.trial
@@ -445,11 +489,11 @@ impl Workspace {
         {
             *at += turn * (factor / radius);
         }
-        model.start.displaced(&self.trial_displacement)
+        model.bounds(&self.trial_displacement)
     }
 
     /// Takes the balance of the grains on trial.
-    fn judge(&mut self, model: &Model, state: &State, bounds: &Bounds) {
+    fn judge(&mut self, model: &Model, state: &State, bounds: &Room) {
         self.neighbours.refresh(model, &self.trial, bounds);
         self.trial_balance.evaluate(&Configuration {
             model,

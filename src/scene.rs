@@ -68,7 +68,7 @@ pub use record::{Compression, OnFailure, Record, Split, Topics};
 pub use rig_log::{Lateral, RigLog, StrainUnit};
 pub use shear::ShearStep;
 pub use solver::{MAX_STRAIN_INCREMENT, Method, Solver, TOLERANCE};
-pub use surround::{Annulus, Cell, MOST_POINTS, PointSides, Points};
+pub use surround::{Annulus, Cell, Cylinder, MOST_POINTS, PointSides, Points};
 pub use targets::Targets;
 pub use view::{ColorBy, VIEW_SCALE, View};
 pub use walls::Walls;
@@ -150,7 +150,7 @@ impl Scene {
             problems.add(at.key("dimension"), format!("{}; allowed: 2, 3", self.dimension));
         }
         dimension::check(self, problems);
-        surround::check(self.dimension, &self.walls, &self.load_path, problems);
+        surround::check(self, problems);
         for (name, material) in &self.materials {
             material.check(&at.key("materials").key(name), problems);
         }
@@ -163,7 +163,7 @@ impl Scene {
             problems.bounds(&at.key("reference"), reference);
         }
         self.solver.check(&at.key("solver"), problems);
-        self.load_path.check(&at.key("load_path"), self.walls.cell == Cell::Box, problems);
+        self.load_path.check(&at.key("load_path"), self.walls.cell.is_box(), problems);
         self.outputs.check(&at.key("outputs"), problems);
         self.node.check(&at.key("node"), problems);
         self.record.check(&at.key("record"), problems);

@@ -8,7 +8,7 @@ use crate::heap;
 use crate::model::Model;
 use crate::pack::{self, History, Layer};
 use crate::plane::boundary::SIDES;
-use crate::wall::{self, Bounds};
+use crate::wall::{self, Room};
 
 pub use bond::{Bond, Condition};
 
@@ -31,9 +31,9 @@ pub struct State {
     pub glued: Vec<Option<u8>>,
     /// Shear γ by which a pack of discs and its side walls lean; 0 for spheres.
     pub tilt: f64,
-    /// Pressure of the sides of a pack of discs that are membranes \[Pa\], 0 for others.
+    /// Pressure of the sides that are membranes \[Pa\], 0 for others.
     pub pressure: [f64; SIDES],
-    /// Where the outlines under them were on average at the start, out of the pack \[m\].
+    /// Where the outlines, or surfaces, under them were on average at the start, out of the pack \[m\].
     pub outline: [f64; SIDES],
     /// Energies of the contacts' shear and torsion.
     pub friction: Ledger,
@@ -311,9 +311,9 @@ impl State {
         }
     }
 
-    /// The box now.
+    /// The room between the walls now.
     #[must_use]
-    pub fn bounds(&self, model: &Model) -> Bounds {
+    pub fn bounds(&self, model: &Model) -> Room {
         model.bounds(&self.displacement)
     }
 
@@ -324,6 +324,18 @@ impl State {
             None => self.bounds(model).volume(),
             Some(setup) => setup.cell.volume(&self.displacement),
         }
+    }
+
+    /// The room with the grains of the surfaces under membranes on spheres as a whole: as much larger as
+    /// it was when they were put around the pack.
+    #[must_use]
+    pub fn hull(&self, model: &Model) -> Room {
+        let Some(cell) = &model.cell else { return self.bounds(model) };
+        let mut displacement = self.displacement;
+        for side in (0..SIDES).filter(|&side| cell.is_membrane(side)) {
+            displacement[side] -= cell.outermost(side) - self.outline[side];
+        }
+        model.bounds(&displacement)
     }
 
     /// Copies `other` into this state without allocating.

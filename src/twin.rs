@@ -81,6 +81,8 @@ pub struct Twin {
     chain_share: f64,
     /// Which moduli are asked for.
     moduli: ModuliKind,
+    /// Whether strain is that since the start.
+    refers_to_start: bool,
 }
 
 impl Twin {
@@ -94,7 +96,7 @@ impl Twin {
         if pack.grains.is_empty() {
             return Err(TwinError::Empty);
         }
-        let cell = (scene.dimension == 2).then(|| plane::Cell::new(&scene.walls, &pack.bounds));
+        let cell = plane::Cell::of(scene, &pack.bounds);
         if let Some(cell) = &cell {
             fits(cell, pack)?;
         }
@@ -117,7 +119,7 @@ impl Twin {
             work: Workspace::new(&model),
             gate: match cell {
                 None => Gate::new(pack.bounds, &scene.node).with_hydrate(&model.hydrate),
-                Some(cell) => Gate::new(pack.bounds, &scene.node).in_plane(cell),
+                Some(cell) => Gate::new(pack.bounds, &scene.node).within(cell),
             },
             pool,
             increment: 0,
@@ -132,6 +134,7 @@ impl Twin {
                 .then(Past::default),
             chain_share: scene.outputs.chain_share,
             moduli: scene.outputs.moduli,
+            refers_to_start: scene.reference.is_none(),
             model,
         })
     }
@@ -170,6 +173,10 @@ impl Twin {
             report.text = format!("the pack as given: {}", self.explain(&outcome, 0.0));
             return report;
         }
+        if self.refers_to_start && self.model.cell.is_some() {
+            // Membranes have gone from where the walls were to the surface.
+            self.model.reference = *self.state.bounds(&self.model);
+        }
         self.state.initial_energy = outcome.sums.energy + self.state.friction.stored;
         report.text = match (outcome.status, outcome.iterations) {
             (Status::Unjammed, _) => UNJAMMED.into(),
@@ -201,6 +208,7 @@ impl Twin {
     /// Relaxes a pack of spheres as it was given, and deposits cement in it.
     fn settle(&mut self) -> Advance {
         let Self { model, state, work, pool, .. } = self;
+        work.wrap(model, state);
         work.start(model, state);
         work.jumps.clear();
         let outcome = pool.install(|| {
@@ -225,6 +233,7 @@ impl Twin {
         if !outcome.status.is_equilibrium() {
             return reached;
         }
+        work.lead(model, state);
         reached.wall_force_error =
             pool.install(|| accuracy::wall_force_error(model, state, work, &outcome));
         reached.changes = match outcome.iterations {
@@ -415,21 +424,21 @@ impl Twin {
             grains[order as usize] = Grain { position, ..self.model.grain(k) };
         }
         Pack {
-            bounds: self.state.bounds(&self.model),
+            bounds: *self.state.hull(&self.model),
             grains,
             history: self.state.history(&self.model),
         }
     }
 }
 
-/// Whether the discs of `pack` are in `cell`.
+/// Whether the grains of `pack` are in `cell`.
 fn fits(cell: &plane::Cell, pack: &Pack) -> Result<(), TwinError> {
     if let Some(text) = cell.unfit() {
         return Err(TwinError::Cell(text));
     }
     for (row, grain) in pack.grains.iter().enumerate() {
         let [x, y, _] = grain.position;
-        if let Some(text) = cell.shuts_out(plane::Vec2::new(x, y)) {
+        if let Some(text) = cell.shuts_out(plane::Vec2::new(x, y), grain.radius) {
             return Err(TwinError::Cell(format!("grain {row} {text}")));
         }
     }

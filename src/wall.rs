@@ -1,12 +1,14 @@
-//! The six planar walls of the rig and the box between them (T 2.3, HZ-02).
+//! The six planar walls of the rig and the box between them (T 2.3, HZ-02), or cylinders ([`Room`]).
 //!
 //! Walls are always in the order of [`NAMES`]. A wall's displacement is along its inward
 //! normal: positive compresses the pack.
 
+mod room;
 mod target;
 
 use serde::{Deserialize, Serialize};
 
+pub use room::{Facing, Room};
 pub use target::{Control, Load, Setpoint, WallTarget, standing};
 
 /// Number of walls of a 3D box.

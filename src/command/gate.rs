@@ -67,7 +67,7 @@ pub struct Gate {
     displacement: [f64; wall::COUNT],
     /// What hydrate there is, and what became of it.
     hydrate: hydrate::Stock,
-    /// What surrounds discs; `None` for spheres between six walls.
+    /// What surrounds the pack; `None` for spheres between six plane walls.
     cell: Option<Cell>,
     /// Whether the box can lean, and by how much it does.
     leans: bool,
@@ -106,9 +106,9 @@ impl Gate {
         }
     }
 
-    /// The same for discs in `cell`.
+    /// The same for a pack in `cell`.
     #[must_use]
-    pub fn in_plane(self, cell: Cell) -> Self {
+    pub fn within(self, cell: Cell) -> Self {
         let leans = cell.leans();
         Self { cell: Some(cell), leans, ..self }
     }

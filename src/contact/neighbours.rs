@@ -5,7 +5,7 @@ use crate::contact::cells::Cells;
 use crate::contact::{Other, hertz};
 use crate::heap;
 use crate::model::Model;
-use crate::wall::{self, Bounds};
+use crate::wall::{self, Bounds, Room};
 
 /// Skin over the mean radius: at first, and at least and at most.
 const SKIN: f64 = 0.2;
@@ -27,8 +27,10 @@ pub struct Neighbours {
     pub wall_start: Vec<u32>,
     /// The wall of each grain-wall pair, ascending within a row.
     pub walls: Vec<u8>,
-    /// Hertz' M of each grain with a wall \[N/m^1.5\], shape (n).
-    pub wall_modulus: Vec<f64>,
+    /// Hertz' M of each grain with a plane wall \[N/m^1.5\], shape (n).
+    wall_modulus: Vec<f64>,
+    /// The same with the inner and the outer wall of a round room; empty for a box.
+    round_modulus: Vec<[f64; 2]>,
     /// Mutual approach at which each pair, and each grain-wall pair, begins to press \[m\]: infinite
     /// where cement holds both as one. Empty where all do so at 0.
     unstressed: Vec<f64>,
@@ -38,7 +40,7 @@ pub struct Neighbours {
     /// Positions when the list was made \[m\], shape (n); empty before the first list.
     made_at: Vec<Vec3>,
     /// Box when the list was made.
-    made_in: Option<Bounds>,
+    made_in: Option<Room>,
     /// Skin \[m\], and how often the list was looked at since it was made.
     skin: f64,
     served: u32,
@@ -53,7 +55,7 @@ impl Neighbours {
     /// A pair outside the list was at least a skin apart. The box strain brings it closer by at
     /// most its own share, the rest takes non-affine displacements.
     #[must_use]
-    pub fn holds(&self, model: &Model, position: &[Vec3], bounds: &Bounds) -> bool {
+    pub fn holds(&self, model: &Model, position: &[Vec3], bounds: &Room) -> bool {
         let Some(made_in) = &self.made_in else { return false };
         if self.made_at.len() != position.len() {
             return false;
@@ -62,7 +64,9 @@ impl Neighbours {
         let scale = Vec3::from_fn(|axis, _| sides[axis] / made[axis]);
         let (low, made_low) = (Vec3::from(bounds.min), Vec3::from(made_in.min));
         let closest = scale.min().min(1.0);
-        let allowance = closest * self.skin - (1.0 - closest) * 2.0 * model.max_radius;
+        let allowance = closest * self.skin
+            - (1.0 - closest) * 2.0 * model.max_radius
+            - self.hole_grew(bounds, scale.x);
         if allowance <= 0.0 || scale.max() > 2.0 {
             return false;
         }
@@ -74,7 +78,7 @@ impl Neighbours {
     }
 
     /// Makes the list anew for `position`.
-    pub fn rebuild(&mut self, model: &Model, position: &[Vec3], bounds: &Bounds) {
+    pub fn rebuild(&mut self, model: &Model, position: &[Vec3], bounds: &Room) {
         let least = SKINS.0 * model.mean_radius;
         let skin = match self.served {
             _ if self.made_in.is_none() => SKIN * model.mean_radius,
@@ -86,7 +90,7 @@ impl Neighbours {
     }
 
     /// Makes the list anew for `position` with all pairs up to `skin` \[m\] apart.
-    pub(crate) fn make(&mut self, model: &Model, position: &[Vec3], bounds: &Bounds, skin: f64) {
+    pub(crate) fn make(&mut self, model: &Model, position: &[Vec3], bounds: &Room, skin: f64) {
         self.skin = skin;
         self.served = 0;
         self.cells.sort(position, 2.0 * model.max_radius + skin);
@@ -94,6 +98,7 @@ impl Neighbours {
         self.second.clear();
         self.modulus.clear();
         self.wall_modulus.clear();
+        self.round_modulus.clear();
         self.wall_start.clear();
         self.walls.clear();
         for (i, at) in position.iter().enumerate() {
@@ -114,8 +119,12 @@ impl Neighbours {
             }));
             let compliance = model.compliance[i] + model.wall_compliance;
             self.wall_modulus.push(hertz::modulus(model.radius[i], compliance));
+            if bounds.is_round() {
+                let modulus = |w| hertz::modulus(model.wall_radius(i, w), compliance);
+                self.round_modulus.push([modulus(0), modulus(1)]);
+            }
             self.wall_start.push(self.walls.len() as u32);
-            for wall in 0..wall::COUNT {
+            for wall in (0..wall::COUNT).filter(|&wall| bounds.has(wall)) {
                 let gap = wall_gap(at, wall, bounds);
                 if gap < model.radius[i] + skin {
                     self.walls.push(wall as u8);
@@ -169,7 +178,7 @@ impl Neighbours {
     }
 
     /// Makes the list anew when it no longer [`holds`](Self::holds).
-    pub fn refresh(&mut self, model: &Model, position: &[Vec3], bounds: &Bounds) {
+    pub fn refresh(&mut self, model: &Model, position: &[Vec3], bounds: &Room) {
         match self.holds(model, position, bounds) {
             true => self.served += 1,
             false => self.rebuild(model, position, bounds),
@@ -189,6 +198,7 @@ impl Neighbours {
             + heap::bytes(&self.wall_start)
             + heap::bytes(&self.walls)
             + heap::bytes(&self.wall_modulus)
+            + heap::bytes(&self.round_modulus)
             + heap::bytes(&self.unstressed)
             + heap::bytes(&self.wall_unstressed)
             + heap::bytes(&self.relieved)
@@ -201,6 +211,25 @@ impl Neighbours {
     #[inline(always)]
     pub fn row(&self, i: usize) -> std::ops::Range<usize> {
         self.start[i] as usize..self.start[i + 1] as usize
+    }
+
+    /// Hertz' M of grain `i` with wall `wall` \[N/m^1.5\].
+    #[must_use]
+    #[inline(always)]
+    pub fn wall_modulus(&self, i: usize, wall: usize) -> f64 {
+        match self.round_modulus.get(i) {
+            Some(modulus) if wall < 2 => modulus[wall],
+            _ => self.wall_modulus[i],
+        }
+    }
+
+    /// How much further out the inner wall of a round room is than the box took it along by `scale`
+    /// \[m\].
+    fn hole_grew(&self, room: &Room, scale: f64) -> f64 {
+        match (self.made_in.and_then(|made| made.radii()), room.radii()) {
+            (Some([before, _]), Some([now, _])) => (now - before * scale).max(0.0),
+            _ => 0.0,
+        }
     }
 
     /// Distance of the centres of grain `i` and the other of entry `k` of its row below which they
@@ -224,9 +253,16 @@ impl Neighbours {
     }
 }
 
+/// Distance of a point from a plane wall, positive inside \[m\].
+#[must_use]
+#[inline(always)]
+pub fn plane_gap(at: &Vec3, wall: usize, bounds: &Bounds) -> f64 {
+    (at[wall::axis(wall)] - bounds.position(wall)) * wall::inward(wall)
+}
+
 /// Distance of a point from a wall, positive inside \[m\].
 #[must_use]
 #[inline(always)]
-pub fn wall_gap(at: &Vec3, wall: usize, bounds: &Bounds) -> f64 {
-    (at[wall::axis(wall)] - bounds.position(wall)) * wall::inward(wall)
+pub fn wall_gap(at: &Vec3, wall: usize, room: &Room) -> f64 {
+    room.gap(at, wall)
 }

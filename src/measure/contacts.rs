@@ -1,12 +1,12 @@
 //! The load-carrying contacts of a state.
 
 use crate::Vec3;
-use crate::contact::neighbours::{Neighbours, wall_gap};
+use crate::contact::neighbours::Neighbours;
 use crate::contact::{Other, hertz};
 use crate::model::Model;
 use crate::scene::Cement;
 use crate::state::{Bond, Condition, State};
-use crate::wall::{self, Bounds};
+use crate::wall::{Bounds, Facing, Room};
 
 /// Contacts below this share of the mean normal force are not counted: rattlers hover around zero.
 pub const FAINT: f64 = 1e-6;
@@ -137,18 +137,16 @@ fn wall_contact(
     i: usize,
     at: &Vec3,
     (wall, reach): (u8, f64),
-    bounds: &Bounds,
+    bounds: &Room,
 ) -> Option<Contact> {
     let w = usize::from(wall);
-    let distance = wall_gap(at, w, bounds);
+    let Facing { gap: distance, normal, .. } = bounds.facing(at, w);
     let pressed = reach - distance;
-    let mut normal = Vec3::zeros();
-    normal[wall::axis(w)] = wall::inward(w);
     (pressed > 0.0).then(|| Contact {
         first: i as u32,
         second: Other::Wall(wall),
         normal,
-        force: hertz::force(neighbours.wall_modulus[i], pressed),
+        force: hertz::force(neighbours.wall_modulus(i, w), pressed),
         shear: Vec3::zeros(),
         torsion: 0.0,
         slides: false,

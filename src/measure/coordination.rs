@@ -35,11 +35,15 @@ pub fn histograms(model: &Model, state: &State, numbers: &[u32]) -> Histograms {
     let mut histograms = Histograms::default();
     for (at, &number) in state.position.iter().zip(numbers) {
         count(&mut histograms.all, number);
-        let interior = match &model.plane {
-            None => (0..3).all(|axis| {
-                at[axis] - bounds.min[axis] > margin && bounds.max[axis] - at[axis] > margin
-            }),
-            Some(setup) => setup.cell.is_interior(at.xy(), margin, &state.displacement),
+        let between = |axis: usize| {
+            at[axis] - bounds.min[axis] > margin && bounds.max[axis] - at[axis] > margin
+        };
+        let interior = match (&model.plane, &model.cell) {
+            (None, None) => (0..3).all(between),
+            (None, Some(cell)) => {
+                cell.is_interior(at.xy(), margin, &state.displacement) && between(2)
+            }
+            (Some(setup), _) => setup.cell.is_interior(at.xy(), margin, &state.displacement),
         };
         if interior {
             count(&mut histograms.interior, number);

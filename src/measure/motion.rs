@@ -43,7 +43,7 @@ pub fn motion(model: &Model, before: &Pose, state: &State) -> GrainMotion {
         localisation: localisation::UNKNOWN,
     };
     let position: Vec<[f64; 3]> = filed(order, before.position.iter().map(|&at| at.into()));
-    let bounds = [before.bounds(model), state.bounds(model)];
+    let bounds = [*before.bounds(model), *state.bounds(model)];
     let localisation = localisation::of(&motion, &position, bounds);
     GrainMotion { localisation, ..motion }
 }

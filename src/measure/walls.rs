@@ -6,12 +6,13 @@ use crate::contact::hertz;
 use crate::contact::neighbours::{Neighbours, wall_gap};
 use crate::measure::contacts::Contact;
 use crate::model::Model;
-use crate::plane::boundary::pressed;
+use crate::plane::boundary::{SIDES, pressed};
 use crate::report::WallForces;
 use crate::state::State;
-use crate::wall::{self, Bounds};
+use crate::wall::{self, Bounds, Room};
 
-/// Normal force on each wall \[N\] and nothing else; the neighbour list must hold the contacts.
+/// Normal force on each wall \[N\], 0 of membranes, and nothing else; the neighbour list must hold the
+/// contacts.
 #[must_use]
 pub fn normal_forces(model: &Model, state: &State, near: &Neighbours) -> [f64; wall::COUNT] {
     let grains = (&*state.position, &*state.carries);
@@ -36,7 +37,7 @@ pub fn normal_forces_in(
     model: &Model,
     near: &Neighbours,
     (position, carries): (&[Vec3], &[bool]),
-    bounds: &Bounds,
+    bounds: &Room,
 ) -> [f64; wall::COUNT] {
     let mut forces = [0.0; wall::COUNT];
     for i in (0..model.len()).filter(|&i| carries[i]) {
@@ -44,7 +45,7 @@ pub fn normal_forces_in(
             let w = usize::from(wall);
             let overlap = reach - wall_gap(&position[i], w, bounds);
             if overlap > 0.0 {
-                forces[w] += hertz::force(near.wall_modulus[i], overlap);
+                forces[w] += hertz::force(near.wall_modulus(i, w), overlap);
             }
         }
     }
@@ -69,10 +70,11 @@ pub fn forces(model: &Model, state: &State, contacts: &[Contact]) -> WallForces 
             normal_force[w] += pressed(model, contact, w);
         }
     }
-    let membranes = model.plane.iter().flat_map(|setup| (0..4).map(move |w| (w, &setup.cell)));
+    let cell = model.plane.as_ref().map(|setup| &setup.cell).or(model.cell.as_ref());
+    let membranes = cell.into_iter().flat_map(|cell| (0..SIDES).map(move |w| (w, cell)));
     for (w, cell) in membranes.filter(|(w, cell)| cell.is_membrane(*w)) {
         normal_force[w] = state.pressure[w] * cell.area(w, &state.displacement);
-        if cell.is_paired() {
+        if cell.is_paired(wall::axis(w)) {
             force[w][wall::axis(w)] = -wall::inward(w) * normal_force[w];
         }
     }

@@ -3,7 +3,7 @@
 use crate::Vec3;
 use crate::contact::cement::effective::{Effective, Evolution, Normal};
 use crate::contact::cement::parallel::Cylinder;
-use crate::contact::neighbours::wall_gap;
+use crate::contact::neighbours::plane_gap;
 use crate::contact::{Other, hertz};
 use crate::model::Model;
 use crate::scene::{Cement, CementLaw, Solution};
@@ -144,7 +144,7 @@ impl Bond {
             Other::Wall(w) => {
                 let w = usize::from(w);
                 let mut branch = Vec3::zeros();
-                branch[wall::axis(w)] = wall::inward(w) * wall_gap(&at, w, bounds);
+                branch[wall::axis(w)] = wall::inward(w) * plane_gap(&at, w, bounds);
                 branch
             }
         }

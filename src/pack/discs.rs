@@ -24,7 +24,7 @@ use super::generate::{CompactError, draw};
 use super::{ContactMemory, Grain, History, Pack};
 use crate::contact::{hertz, mindlin};
 use crate::plane::setup::shear_ratio;
-use crate::scene::{Annulus, Cell, Generate, Linear, Material, Normal, Scene};
+use crate::scene::{Generate, Linear, Material, Normal, Scene};
 use crate::wall::Bounds;
 use contacts::Law;
 use frame::Frame;
@@ -84,10 +84,7 @@ fn scatter(mut grains: Vec<Grain>, aspect: [f64; 3], inner: Option<f64>, rng: &m
 
 /// Radius of the inner wall \[m\], when the walls are two circles.
 fn inner(scene: &Scene) -> Option<f64> {
-    match scene.walls.cell {
-        Cell::Annulus(Annulus { inner }) => Some(inner),
-        Cell::Box => None,
-    }
+    scene.walls.cell.inner()
 }
 
 /// The law of the scene, without bonds: grains do not stick together while a pack is made.

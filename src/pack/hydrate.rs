@@ -96,7 +96,7 @@ fn as_it_is(pack: &Pack) -> (Model, Contacts) {
         Model::with(pack, &Walls::default(), [0.0; 3], Solver::default(), Some(pack.bounds));
     let state = State::new(&model);
     let mut near = Neighbours::default();
-    near.refresh(&model, &state.position, &pack.bounds);
+    near.refresh(&model, &state.position, &state.bounds(&model));
     let contacts = Contacts::of(&model, &state, &near);
     (model, contacts)
 }

@@ -8,7 +8,7 @@ use std::borrow::Cow;
 
 use super::{Grain, History, Pack};
 use crate::scene::prepare::{Rescale, Step};
-use crate::scene::{Cell, CementLaw, CementStrength, Linear, Normal, Parallel, Scene, Targets};
+use crate::scene::{CementLaw, CementStrength, Linear, Normal, Parallel, Scene, Targets};
 use crate::wall::{Bounds, WallTarget};
 
 /// What lengths and forces are multiplied by.
@@ -105,9 +105,7 @@ pub(super) fn before<'scene>(scene: &'scene Scene, later: &[Step]) -> Cow<'scene
 
 fn scaled(mut scene: Scene, scale: Scale) -> Scene {
     scene.walls.young *= scale.stress();
-    if let Cell::Annulus(annulus) = &mut scene.walls.cell {
-        annulus.inner *= scale.length;
-    }
+    scene.walls.cell.scale(scale.length);
     scene.walls.points.scale(scale.length);
     scene.walls.targets =
         Targets::from(scene.walls.targets.in_order().map(|target| match target {

@@ -1,7 +1,6 @@
 //! Equal parts of the way of each wall to its target.
 
 use super::{Course, INCREMENT_NANOSECONDS, PathError};
-use crate::plane::Cell;
 use crate::scene::WallsStep;
 use crate::wall::{self, WallTarget};
 
@@ -29,7 +28,7 @@ pub(super) fn parts(
     course: &Course,
 ) -> impl Iterator<Item = [WallTarget; wall::COUNT]> + use<> {
     let from = std::array::from_fn::<_, { wall::COUNT }, _>(|w| {
-        let paired = course.cell.as_ref().is_none_or(Cell::is_paired);
+        let paired = course.cell.as_ref().is_none_or(|cell| cell.is_paired(wall::axis(w)));
         let together = paired && ends[w] == ends[w ^ 1];
         let mean = |of: &dyn Fn(usize) -> f64| match together {
             true => 0.5 * (of(w) + of(w ^ 1)),

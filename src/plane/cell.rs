@@ -1,10 +1,10 @@
-//! What the sides of a pack of discs enclose: a box, or the room between two circles.
+//! What the sides of a pack enclose: a box, or the room between two circles or cylinders.
 
 use super::Vec2;
 use super::boundary::{Body, SIDES, Shape, Swing};
 use crate::report::WallForces;
-use crate::scene::{self, Walls};
-use crate::wall::{self, Bounds};
+use crate::scene::{self, Scene, Walls};
+use crate::wall::{self, Bounds, Room};
 
 /// A box may differ from a square, as the box of an annulus is, by this share.
 const SQUARE: f64 = 1e-9;
@@ -14,8 +14,11 @@ const SQUARE: f64 = 1e-9;
 pub struct Cell {
     /// Box at the start.
     pub start: Bounds,
-    /// Radius of the inner circle of an annulus at the start \[m\]; `None` for a box.
+    /// Radius of the inner circle of an annulus at the start \[m\], 0 of a cylinder without one; `None`
+    /// for a box.
     pub inner: Option<f64>,
+    /// Whether there are walls across z: of spheres.
+    pub ends: bool,
     /// What each side is.
     pub sides: [Side; SIDES],
 }
@@ -34,13 +37,26 @@ pub enum Side {
 }
 
 impl Cell {
-    /// Of `walls` in the box `start`.
+    /// What surrounds the pack of `scene` in the box `start`; `None` for six plane walls.
+    #[must_use]
+    pub fn of(scene: &Scene, start: &Bounds) -> Option<Self> {
+        match scene.dimension {
+            2 => Some(Self::new(&scene.walls, start)),
+            _ => Self::of_spheres(&scene.walls, start),
+        }
+    }
+
+    /// What surrounds spheres; `None` for six plane walls.
+    #[must_use]
+    pub fn of_spheres(walls: &Walls, start: &Bounds) -> Option<Self> {
+        let plain = walls.cell.is_box() && walls.membranes.is_empty();
+        (!plain).then(|| Self { ends: true, ..Self::new(walls, start) })
+    }
+
+    /// Of `walls` around discs in the box `start`.
     #[must_use]
     pub fn new(walls: &Walls, start: &Bounds) -> Self {
-        let inner = match walls.cell {
-            scene::Cell::Box => None,
-            scene::Cell::Annulus(annulus) => Some(annulus.inner),
-        };
+        let inner = walls.cell.inner();
         let points = walls.points.in_order();
         let targets = walls.targets.in_order();
         let has = |list: &[scene::WallName], w: usize| list.iter().any(|name| name.index() == w);
@@ -51,12 +67,13 @@ impl Cell {
             if has(&walls.membranes, w) {
                 return Side::Membrane(targets[w].numbers().1);
             }
-            match has(&walls.open, w) || inner.is_some() && w > 1 {
+            let none = inner.is_some() && w > 1 || inner == Some(0.0) && w == 0;
+            match has(&walls.open, w) || none {
                 true => Side::Open,
                 false => Side::Wall,
             }
         });
-        Self { start: *start, inner, sides }
+        Self { start: *start, inner, ends: false, sides }
     }
 
     /// What is wrong with the box for it.
@@ -66,7 +83,7 @@ impl Cell {
         let [x, y, _] = self.start.sides();
         if (x - y).abs() > SQUARE * x {
             return Some(format!(
-                "the box of an annulus is {x:e} by {y:e} m; allowed: the square around its outer circle"
+                "the box of a round cell is {x:e} by {y:e} m; allowed: the square around its outer circle"
             ));
         }
         (2.0 * inner >= x).then(|| {
@@ -74,14 +91,18 @@ impl Cell {
         })
     }
 
-    /// Why no disc may have its centre at `at` at the start.
+    /// Why no grain of the radius `radius` \[m\] may have its centre at `at` at the start.
     #[must_use]
-    pub fn shuts_out(&self, at: Vec2) -> Option<String> {
+    pub fn shuts_out(&self, at: Vec2, radius: f64) -> Option<String> {
         let [inner, outer] = self.radii(&[0.0; wall::COUNT])?;
+        if radius >= outer {
+            return Some(format!("has the radius {radius:e} m; allowed: less than {outer:e} m"));
+        }
         let distance = (at - self.centre()).norm();
-        (distance <= inner || distance >= outer).then(|| {
+        let inside = inner > 0.0 && distance <= inner;
+        (inside || distance >= outer).then(|| {
             format!(
-                "is {distance:e} m from the middle of the annulus; allowed: between {inner:e} and \
+                "is {distance:e} m from the middle of the cell; allowed: between {inner:e} and \
                  {outer:e} m"
             )
         })
@@ -90,7 +111,7 @@ impl Cell {
     /// Whether side or wall `w` is there.
     #[must_use]
     pub fn has(&self, w: usize) -> bool {
-        self.sides.get(w).is_some_and(|side| *side != Side::Open)
+        self.sides.get(w).map_or(self.ends, |side| *side != Side::Open)
     }
 
     /// Whether side `w` is a membrane.
@@ -99,22 +120,40 @@ impl Cell {
         matches!(self.sides.get(w), Some(Side::Membrane(_)))
     }
 
+    /// Pressure at the start of side `w`, which is a membrane \[Pa\].
+    #[must_use]
+    pub fn first_pressure(&self, w: usize) -> Option<f64> {
+        match self.sides.get(w) {
+            Some(Side::Membrane(pressure)) => Some(*pressure),
+            _ => None,
+        }
+    }
+
+    /// How far out of the pack the wall of side `w` is at the start \[m\]: a radius, or along its normal.
+    #[must_use]
+    pub fn outermost(&self, w: usize) -> f64 {
+        match self.radii(&[0.0; wall::COUNT]) {
+            Some(radii) => radii.get(w).copied().unwrap_or(0.0),
+            None => -wall::inward(w) * self.start.position(w),
+        }
+    }
+
     /// Whether side `w` has points instead of a wall.
     #[must_use]
     pub fn has_points(&self, w: usize) -> bool {
         matches!(self.sides.get(w), Some(Side::Points(..)))
     }
 
-    /// Whether all sides are planes, so that the box can lean.
+    /// Whether all sides of discs are planes, so that the box can lean.
     #[must_use]
     pub fn leans(&self) -> bool {
-        self.inner.is_none() && self.sides.iter().all(|side| *side == Side::Wall)
+        !self.ends && self.inner.is_none() && self.sides.iter().all(|side| *side == Side::Wall)
     }
 
-    /// Whether the two sides of a pair carry loads of their own.
+    /// Whether the two sides across an axis carry one load, and not loads of their own.
     #[must_use]
-    pub fn is_paired(&self) -> bool {
-        self.inner.is_none()
+    pub fn is_paired(&self, axis: usize) -> bool {
+        self.inner.is_none() || axis == 2
     }
 
     /// Bodies that there are: one of each side and the points beyond the first of each.
@@ -147,42 +186,54 @@ impl Cell {
         match self.inner {
             None => self.start.displaced(displacement),
             Some(_) => {
-                let d = displacement[1];
-                self.start.displaced(&[d, d, d, d, 0.0, 0.0])
+                let [_, d, _, _, low, high] = *displacement;
+                self.start.displaced(&[d, d, d, d, low, high])
             }
         }
+    }
+
+    /// The room between the sides.
+    #[must_use]
+    pub fn room(&self, displacement: &[f64; wall::COUNT]) -> Room {
+        let radii = self.radii(displacement);
+        let walls = std::array::from_fn(|w| self.has(w) && !self.is_membrane(w));
+        Room::new(self.bounds(displacement), radii, walls)
     }
 
     /// Volume that the sides enclose \[m³\].
     #[must_use]
     pub fn volume(&self, displacement: &[f64; wall::COUNT]) -> f64 {
-        match self.radii(displacement) {
-            None => self.start.displaced(displacement).volume(),
-            Some([inner, outer]) => {
-                std::f64::consts::PI * (outer - inner) * (outer + inner) * self.start.sides()[2]
-            }
-        }
+        self.room(displacement).volume()
     }
 
     /// Area of wall `w` \[m²\]; 0 for a side that an annulus has not.
     #[must_use]
     pub fn area(&self, w: usize, displacement: &[f64; wall::COUNT]) -> f64 {
-        match self.radii(displacement) {
-            None => self.start.displaced(displacement).area(w),
-            Some(radii) => {
-                let radius = radii.get(w).copied().unwrap_or(0.0);
-                2.0 * std::f64::consts::PI * radius * self.start.sides()[2]
-            }
+        self.room(displacement).area(w)
+    }
+
+    /// Curvature of round wall `w` at the start as a grain in the cell sees it \[1/m\]: positive where it
+    /// bends away.
+    #[must_use]
+    pub fn curvature(&self, w: usize) -> Option<f64> {
+        let [inner, outer] = self.radii(&[0.0; wall::COUNT])?;
+        match w {
+            0 if inner > 0.0 => Some(1.0 / inner),
+            1 => Some(-1.0 / outer),
+            _ => None,
         }
     }
 
-    /// Normal stress along x and y that the forces of the walls make: of an annulus the pressure on its
-    /// outer wall, or on its inner one where that is the only one \[Pa\]. `None` for a box.
+    /// Normal stresses that the forces of the walls make: along x and y the pressure on the outer wall of
+    /// a round cell, or on its inner one where that is the only one, along z the mean of both ends
+    /// \[Pa\]. `None` for a box.
     #[must_use]
-    pub fn pressure(&self, walls: &WallForces) -> Option<f64> {
+    pub fn pressure(&self, walls: &WallForces) -> Option<[f64; 3]> {
         self.inner?;
-        let w = usize::from(self.has(1));
-        Some(walls.normal_force[w] / self.area(w, &walls.displacement))
+        let on = |w: usize| walls.normal_force[w] / self.area(w, &walls.displacement);
+        let lateral = on(usize::from(self.has(1)));
+        let axial = if self.ends { 0.5 * (on(4) + on(5)) } else { 0.0 };
+        Some([lateral, lateral, axial])
     }
 
     /// Largest strain that is left from `displacement` to `target` \[m\].
@@ -194,13 +245,13 @@ impl Cell {
     ) -> f64 {
         let left = |w: usize| (target[w] - displacement[w]).abs();
         let sides = self.start.sides();
+        let across = |axis: usize| (left(2 * axis) + left(2 * axis + 1)) / sides[axis];
         match self.radii(&[0.0; wall::COUNT]) {
-            None => (0..2)
-                .map(|axis| (left(2 * axis) + left(2 * axis + 1)) / sides[axis])
-                .fold(0.0, f64::max),
+            None => (0..3).map(across).fold(0.0, f64::max),
             Some([inner, outer]) => {
                 let thick = if self.has(0) && self.has(1) { outer - inner } else { outer };
-                ((left(0) + left(1)) / thick).max(left(0) / inner)
+                let hole = if inner > 0.0 { left(0) / inner } else { 0.0 };
+                ((left(0) + left(1)) / thick).max(hole).max(across(2))
             }
         }
     }

@@ -14,14 +14,17 @@ pub(super) fn of(model: &Model, setpoint: &Setpoint) -> Vec<Load> {
     let mut loads = Vec::new();
     for axis in 0..2 {
         let pair = [2 * axis, 2 * axis + 1];
-        let apart = !setup.cell.is_paired() || pair.iter().any(|&w| setup.cell.is_membrane(w));
+        let apart = !setup.cell.is_paired(axis) || pair.iter().any(|&w| setup.cell.is_membrane(w));
         match apart {
             true => loads.extend(pair.into_iter().filter_map(|w| {
                 let mut alone = *setpoint;
                 alone[w ^ 1] = Control::Displacement(0.0);
-                Load::of(&alone).into_iter().find(|load| load.axis == axis)
+                Load::of(model, &alone).into_iter().find(|load| load.axis == axis)
             })),
-            false => loads.extend(Load::of(setpoint).into_iter().filter(|load| load.axis == axis)),
+            false => {
+                loads
+                    .extend(Load::of(model, setpoint).into_iter().filter(|load| load.axis == axis));
+            }
         }
     }
     loads

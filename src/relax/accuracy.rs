@@ -101,9 +101,9 @@ fn change(model: &Model, state: &State, work: &Workspace) -> Change {
             let w = usize::from(wall);
             let overlap = reach - wall_gap(&state.position[i], w, &bounds);
             if overlap > 0.0 {
-                let k = hertz::stiffness(work.neighbours.wall_modulus[i], overlap);
+                let k = hertz::stiffness(work.neighbours.wall_modulus(i, w), overlap);
                 stiffness[w] += k;
-                force[w] -= k * work.step[i][wall::axis(w)] * wall::inward(w);
+                force[w] -= k * work.step[i].dot(&bounds.normal(&state.position[i], w));
             }
         }
     }

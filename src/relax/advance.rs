@@ -12,7 +12,7 @@ use crate::relax::tangential::Changes;
 use crate::relax::{Outcome, Status, Workspace, accuracy, newton, relax, two_step};
 use crate::scene::{Method, Update};
 use crate::state::{Ledger, State};
-use crate::wall::{self, Bounds, Control, Load, Setpoint};
+use crate::wall::{self, Control, Load, Setpoint};
 
 /// A sub-increment is never smaller than this share of `solver.max_strain_increment`, so that
 /// decompression passes the point where the overlaps vanish.
@@ -107,8 +107,8 @@ pub fn advance(
     let mut so_far = Advance::at(here);
     work.neighbours.refresh(model, &state.position, &state.bounds(model));
     let mut forces = walls::normal_forces(model, state, &work.neighbours);
-    let goal = Drive::of(setpoint);
-    let mut drives = present(&goal, &forces, &state.bounds(model));
+    let goal = Drive::of(model, setpoint);
+    let mut drives = present(model, &goal, &forces, state);
     let (mut crept, mut creeps) = (false, 0);
     loop {
         let target = standing_target(setpoint, state);
@@ -129,7 +129,9 @@ pub fn advance(
             work.jumps.clear();
             move_walls(model, state, &target, share);
             let aim = part_of_the_way(&drives, &goal, share);
-            work.servo.begin(&aim, STRETCH * limit);
+            press(model, state, &aim);
+            work.reference.membranes.follow(model, state);
+            work.servo.begin(&on_walls(model, &aim), STRETCH * limit);
             // The seeds' methods begin where the walls take the grains.
             let predicts = model.solver.method == Method::Newton && !model.is_two_step();
             if work.reference.active && predicts {
@@ -137,7 +139,7 @@ pub fn advance(
             }
             let mut outcome = solve(model, state, work);
             let lost = matches!(outcome.status, Status::Unstable | Status::Stalled);
-            let creeps_on = lost && !goal.is_empty() && !model.is_two_step();
+            let creeps_on = lost && work.servo.is_active() && !model.is_two_step();
             if creeps_on && attempt >= patience && creeps < MOST_CREEPS {
                 state.copy_from(&last);
                 outcome = creep(model, state, work, &target, (share, limit));
@@ -168,7 +170,7 @@ pub fn advance(
         let next = walls::normal_forces(model, state, &work.neighbours);
         if crept {
             // What was lost on the way is asked for anew.
-            drives = present(&goal, &next, &state.bounds(model));
+            drives = present(model, &goal, &next, state);
             so_far.crept += strain_between(model, &last, state);
         } else if drives == goal && state.displacement == standing_target(setpoint, state) {
             so_far.wall_force_error =
@@ -176,6 +178,7 @@ pub fn advance(
         }
         so_far.jumps.append(&mut work.jumps);
         add_work(state, &last.displacement, &forces, &next);
+        state.wall_work += work.reference.membranes.work(state);
         forces = next;
         let cracks = so_far.cracks.len();
         if !crack(model, state, work, &mut so_far, &mut forces) {
@@ -186,7 +189,7 @@ pub fn advance(
         }
         if so_far.cracks.len() > cracks && !goal.is_empty() {
             // The loads that the walls lost are asked for anew.
-            drives = present(&goal, &forces, &state.bounds(model));
+            drives = present(model, &goal, &forces, state);
         }
     }
     so_far
@@ -309,17 +312,57 @@ pub(crate) fn standing_target(setpoint: &Setpoint, state: &State) -> [f64; wall:
     })
 }
 
-/// The drives of `goal` with the loads that the walls carry now.
-pub(crate) fn present(goal: &[Drive], forces: &[f64; wall::COUNT], bounds: &Bounds) -> Vec<Drive> {
+/// The drives of `goal` with the loads that the walls carry now, and the membranes.
+fn present(
+    model: &Model,
+    goal: &[Drive],
+    forces: &[f64; wall::COUNT],
+    state: &State,
+) -> Vec<Drive> {
+    let bounds = state.bounds(model);
     let now = |drive: &Drive| {
+        if drive.is_membrane(model) {
+            return Drive { load: Load::Stress(state.pressure[drive.wall()]), ..*drive };
+        }
         let force = drive.force(forces);
         let load = match drive.load {
             Load::Force(_) => Load::Force(force),
-            Load::Stress(_) => Load::Stress(force / bounds.area(2 * drive.axis)),
+            Load::Stress(_) => Load::Stress(force / bounds.area(drive.wall())),
         };
         Drive { load, ..*drive }
     };
     goal.iter().map(now).collect()
+}
+
+/// The drives of walls among `drives`.
+fn on_walls(model: &Model, drives: &[Drive]) -> Vec<Drive> {
+    drives.iter().filter(|drive| !drive.is_membrane(model)).copied().collect()
+}
+
+/// Membranes press as `drives` have it.
+fn press(model: &Model, state: &mut State, drives: &[Drive]) {
+    for drive in drives.iter().filter(|drive| drive.is_membrane(model)) {
+        state.pressure[drive.wall()] = drive.load.force(1.0);
+    }
+}
+
+/// Relaxes; where walls under loads stand beside membranes, until their areas are those of the pack.
+fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
+    let mut outcome = at_rest(model, state, work);
+    for _ in 0..RENEWALS {
+        if !outcome.status.is_equilibrium() || work.reference.membranes.is_empty() {
+            break;
+        }
+        let moved = work.reference.membranes.lead(model, state);
+        if !(moved && work.servo.is_active()) {
+            break;
+        }
+        let (iterations, descents) = (outcome.iterations, outcome.descents);
+        outcome = at_rest(model, state, work);
+        outcome.iterations += iterations;
+        outcome.descents += descents;
+    }
+    outcome
 }
 
 /// Loads after `share` of the way from `drives` to `goal`.
@@ -384,7 +427,7 @@ fn creep(
 }
 
 /// Relaxes or, where the scene has it so, solves in two linear steps; and with friction up to date renews the limits and relaxes again.
-fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
+fn at_rest(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
     if model.is_two_step() {
         return two_step::solve(model, state, work);
     }
@@ -410,6 +453,9 @@ fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Outcome {
 
 /// Largest strain of an axis that is left, against the box at the start, a shift of the whole box counted as a strain too.
 pub(crate) fn remaining_strain(model: &Model, state: &State, target: &[f64; wall::COUNT]) -> f64 {
+    if let Some(cell) = &model.cell {
+        return cell.remaining_strain(&state.displacement, target);
+    }
     let sides = model.start.sides();
     (0..3)
         .map(|axis| {

@@ -4,12 +4,13 @@ use rayon::join;
 
 use crate::Vec3;
 use crate::contact::hertz;
-use crate::contact::neighbours::{Neighbours, wall_gap};
+use crate::contact::neighbours::{Neighbours, plane_gap};
 use crate::heap;
 use crate::model::Model;
+use crate::relax::block::Block;
 use crate::relax::lanes::{Kernel, Lanes, dispatch};
 use crate::relax::tangential::{Pull, Reference, Traction};
-use crate::wall::{self, Bounds};
+use crate::wall::{self, Facing, Room};
 
 /// Rows that are summed as one; the bits depend on it, the number of threads does not enter.
 const CHUNK: usize = 256;
@@ -85,12 +86,16 @@ pub struct Balance {
     pub links_in_row: Vec<u32>,
     /// Stiffness of the wall contacts along the axes, in units of the reference, shape (n).
     pub wall_stiffness: Vec<[f32; 3]>,
+    /// Its xy, shape (n); empty where all walls are planes.
+    pub wall_cross: Vec<f32>,
     /// Gradient with respect to w = ΩR, -M/R of each grain \[N\], shape (n); empty without friction.
     pub moment: Vec<Vec3>,
     /// Answers of the contacts at the reference, in their order; empty without friction.
     pub tractions: Vec<Traction>,
     /// Sum of the potentials of shear and torsion \[J\].
     pub shear_potential: f64,
+    /// Potential of the pressures of membranes \[J\].
+    pub membrane_potential: f64,
     /// Normal force of cement on each wall \[N\].
     pub cement_on_walls: [f64; wall::COUNT],
     /// Totals.
@@ -122,7 +127,7 @@ pub struct Configuration<'a> {
     /// Where shear and torsion are counted from.
     pub reference: &'a Reference,
     /// The box.
-    pub bounds: &'a Bounds,
+    pub bounds: &'a Room,
     /// Stiffness \[N/m\] that the linearisation is scaled by.
     pub reference_stiffness: f64,
 }
@@ -165,7 +170,13 @@ impl Balance {
             self.sums.add(chunk);
         }
         self.react(at.neighbours);
+        self.wall_cross.clear();
+        if at.bounds.is_round() {
+            self.press_on_round(at);
+        }
         self.weigh(at);
+        let membranes = &at.reference.membranes;
+        self.membrane_potential = membranes.press(at.position, &mut self.gradient);
         at.reference.evaluate(self, at);
     }
 
@@ -177,6 +188,56 @@ impl Balance {
                 self.gradient[self.links[k].second as usize] += self.pair_force[k];
             }
         }
+    }
+
+    /// Adds the contacts with the walls of a round room. With the gap g the overlap is R - g, and the
+    /// second derivative of its energy kn ∇g ∇gᵀ - P ∇∇g.
+    fn press_on_round(&mut self, at: &Configuration<'_>) {
+        let Configuration { model, neighbours, position, carries, bounds, .. } = *at;
+        let scale = 1.0 / at.reference_stiffness;
+        self.wall_cross.resize(position.len(), 0.0);
+        for (i, xi) in position.iter().enumerate().filter(|(i, _)| carries[*i]) {
+            for (wall, reach) in neighbours.walls_near(model, i) {
+                let wall = usize::from(wall);
+                let Facing { gap, normal, bend } = bounds.facing(xi, wall);
+                let overlap = reach - gap;
+                if overlap <= 0.0 {
+                    continue;
+                }
+                let modulus = neighbours.wall_modulus(i, wall);
+                let force = hertz::force(modulus, overlap);
+                self.sums.energy += hertz::energy(force, overlap);
+                self.sums.force += force;
+                self.sums.overlap += overlap;
+                self.sums.contacts += 1;
+                for axis in 0..3 {
+                    self.sums.virial[axis] += force * gap * normal[axis] * normal[axis];
+                }
+                self.gradient[i] -= normal * force;
+                let (along, around) = (hertz::stiffness(modulus, overlap), -force * bend);
+                let [nx, ny, nz] = normal.into();
+                let entry = |n: f64, t: f64| ((along * n + around * t) * scale) as f32;
+                let stiffness = &mut self.wall_stiffness[i];
+                // Around the axis is along (-ny, nx, 0).
+                stiffness[0] += entry(nx * nx, ny * ny);
+                stiffness[1] += entry(ny * ny, nx * nx);
+                stiffness[2] += entry(nz * nz, 0.0);
+                self.wall_cross[i] += entry(nx * ny, -nx * ny);
+            }
+        }
+    }
+
+    /// Stiffness of grain `i`'s wall contacts, in units of the reference.
+    pub(super) fn wall_block(&self, i: usize) -> Block {
+        let mut block = Block::diagonal(self.wall_stiffness[i]);
+        block.off.0[0] = self.cross_stiffness(i);
+        block
+    }
+
+    /// xy of the stiffness of grain `i`'s wall contacts, in units of the reference.
+    #[must_use]
+    pub fn cross_stiffness(&self, i: usize) -> f32 {
+        self.wall_cross.get(i).copied().unwrap_or(0.0)
     }
 
     /// Adds weights and their potential (T 2.7).
@@ -196,6 +257,7 @@ impl Balance {
             + heap::bytes(&self.links)
             + heap::bytes(&self.links_in_row)
             + heap::bytes(&self.wall_stiffness)
+            + heap::bytes(&self.wall_cross)
             + heap::bytes(&self.moment)
             + heap::bytes(&self.tractions)
             + heap::bytes(&self.pulls)
@@ -215,7 +277,7 @@ impl Balance {
     /// What the search for the equilibrium descends \[J\].
     #[must_use]
     pub fn potential(&self) -> f64 {
-        self.sums.energy + self.shear_potential
+        self.sums.energy + self.shear_potential + self.membrane_potential
     }
 }
 
@@ -251,7 +313,10 @@ impl Part<'_> {
     }
 
     fn fill_chunk(self, at: &Configuration<'_>) {
-        dispatch(Fill { part: self, at });
+        match at.bounds.is_round() {
+            false => dispatch(Fill::<true> { part: self, at }),
+            true => dispatch(Fill::<false> { part: self, at }),
+        }
     }
 }
 
@@ -314,12 +379,13 @@ impl Batch {
     }
 }
 
-struct Fill<'a, 'b> {
+/// Fills a part, with the contacts at walls that are `PLANES`; others are added later.
+struct Fill<'a, 'b, const PLANES: bool> {
     part: Part<'a>,
     at: &'a Configuration<'b>,
 }
 
-impl Kernel for Fill<'_, '_> {
+impl<const PLANES: bool> Kernel for Fill<'_, '_, PLANES> {
     type Output = ();
 
     #[inline(always)]
@@ -359,11 +425,14 @@ impl Kernel for Fill<'_, '_> {
                     part.empty(&mut batch, &mut sums, at, scale);
                 }
             }
+            if !PLANES {
+                continue;
+            }
             for (wall, reach) in neighbours.walls_near(model, i) {
                 let wall = usize::from(wall);
-                let overlap = reach - wall_gap(&xi, wall, at.bounds); // (2.4b)
+                let overlap = reach - plane_gap(&xi, wall, at.bounds); // (2.4b)
                 if overlap > 0.0 {
-                    let modulus = neighbours.wall_modulus[i];
+                    let modulus = neighbours.wall_modulus(i, wall);
                     let force = hertz::force(modulus, overlap);
                     sums.energy += hertz::energy(force, overlap);
                     sums.force += force;

@@ -16,7 +16,7 @@ use crate::relax::newton::{self, Solved};
 use crate::relax::verdict::{Progress, residual, verdict};
 use crate::relax::{Status, Workspace};
 use crate::state::State;
-use crate::wall::Bounds;
+use crate::wall::Room;
 
 /// Steps from one steepest-descent step to the next (k_SD), and between two looks for grains that
 /// nothing holds.
@@ -96,7 +96,7 @@ fn search(
     model: &Model,
     state: &mut State,
     work: &mut Workspace,
-    bounds: &Bounds,
+    bounds: &Room,
     slope: f64,
     curvature: f64,
 ) -> Option<f64> {

@@ -233,7 +233,7 @@ impl Motion {
         list.made_in = *half;
         let (positions, bounds) = self.in_meters();
         let length = self.units.length;
-        neighbours.make(model, &positions, &bounds, self.list.skin * length);
+        neighbours.make(model, &positions, &bounds.into(), self.list.skin * length);
         let units = self.units;
         self.parts.par_iter_mut().for_each(|part| part.list(model, neighbours, &units));
     }

@@ -79,7 +79,7 @@ fn any_minimum(
         if outcome.status.is_equilibrium() {
             break;
         }
-        let goal = fire::Goal { residual, pressure: None, steps: MOST_DESCENT };
+        let goal = fire::Goal { residual, pressure: None, even: false, steps: MOST_DESCENT };
         fire::descend(model, state, work, goal);
         let iterations = outcome.iterations;
         outcome = carrying(model, state, work);

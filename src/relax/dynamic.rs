@@ -13,7 +13,7 @@ use crate::relax::Workspace;
 use crate::relax::newton::Solved;
 use crate::relax::verdict::{Progress, verdict};
 use crate::state::State;
-use crate::wall::Bounds;
+use crate::wall::Room;
 use mass::Masses;
 
 /// Share of the largest stable time step.
@@ -49,7 +49,7 @@ fn run(
     state: &mut State,
     work: &mut Workspace,
     inertia: &mut Inertia,
-    bounds: &Bounds,
+    bounds: &Room,
 ) -> Solved {
     let mut iterations = 0;
     loop {

@@ -6,12 +6,13 @@
 //! V (σ - p) by the virial. At its minimum all three normal stresses are p.
 
 use crate::Vec3;
+use crate::measure::walls;
 use crate::model::Model;
 use crate::relax::advance::move_walls;
 use crate::relax::balance::Sums;
 use crate::relax::{Status, Workspace};
 use crate::state::State;
-use crate::wall;
+use crate::wall::{self, Room};
 
 /// Positive-power steps before the time step may grow (Bitzek's N_min).
 const PATIENCE: u32 = 5;
@@ -31,6 +32,8 @@ pub struct Goal {
     /// Stress that the box is to have \[Pa\]; `None` fixes the walls. Each normal stress ends
     /// within `residual` of it.
     pub pressure: Option<f64>,
+    /// Whether all sides are strained alike, by the mean of the stresses.
+    pub even: bool,
     /// Most steps.
     pub steps: u32,
 }
@@ -68,7 +71,10 @@ fn run(
             return Status::NonFinite;
         }
         let excess = match goal.pressure {
-            Some(pressure) => Vec3::from(sums.virial) - Vec3::repeat(pressure * bounds.volume()),
+            Some(pressure) => match (excess(model, state, work, &bounds, pressure), goal.even) {
+                (excess, true) => Vec3::repeat(excess.mean()),
+                (excess, false) => excess,
+            },
             None if sums.mean_force() < work.negligible_force => return Status::Unjammed,
             None => Vec3::zeros(),
         };
@@ -118,14 +124,29 @@ fn run(
             box_velocity += excess * (dt / box_mass);
             box_velocity = box_velocity.map(|v| v.clamp(-fastest, fastest));
             let sides = bounds.sides();
-            let target: [f64; wall::COUNT] = std::array::from_fn(|w| {
-                let axis = wall::axis(w);
-                state.displacement[w] - 0.5 * sides[axis] * box_velocity[axis] * dt
+            let target: [f64; wall::COUNT] = std::array::from_fn(|w| match wall::axis(w) {
+                // The outer wall of a round room; an inner one stands.
+                0 | 1 if bounds.is_round() && w != 1 => state.displacement[w],
+                axis => state.displacement[w] - 0.5 * sides[axis] * box_velocity[axis] * dt,
             });
             move_walls(model, state, &target, 1.0);
         }
     }
     Status::MaxIterations
+}
+
+/// What drives the logarithms of the sides \[J\]: V (σ - p) along each axis, and across the axis of a
+/// round room the half of what drives that of its outer radius.
+fn excess(model: &Model, state: &State, work: &Workspace, room: &Room, pressure: f64) -> Vec3 {
+    let virial = Vec3::from(work.balance.sums.virial);
+    let excess = virial - Vec3::repeat(pressure * room.volume());
+    let Some([_, outer]) = room.radii() else { return excess };
+    let grains = (&*state.position, &*state.carries);
+    let on_wall = walls::normal_forces_in(model, &work.neighbours, grains, room)[1];
+    let carried = state.position.iter().zip(&work.balance.gradient);
+    let on_grains = carried.map(|(at, g)| room.carried(at, 1).dot(g)).sum::<f64>();
+    let across = 0.5 * outer * (on_wall + on_grains - pressure * room.area(1));
+    Vec3::new(across, across, excess.z)
 }
 
 fn reached(goal: &Goal, force2: f64, sums: &Sums, excess: &Vec3, n: usize, volume: f64) -> bool {

@@ -15,7 +15,7 @@ use crate::relax::newton::Solved;
 use crate::relax::site::{Others, Site};
 use crate::relax::verdict::{Progress, residual, verdict};
 use crate::state::State;
-use crate::wall::Bounds;
+use crate::wall::Room;
 use local::Local;
 
 /// Most sweeps between two looks at the balance of the whole pack.
@@ -48,7 +48,7 @@ pub(super) fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> S
 }
 
 /// Moves every grain once; returns the largest unbalanced force that one had at its turn \[N\].
-fn sweep(model: &Model, state: &mut State, work: &mut Workspace, bounds: &Bounds) -> f64 {
+fn sweep(model: &Model, state: &mut State, work: &mut Workspace, bounds: &Room) -> f64 {
     work.sweeps += 1;
     work.neighbours.refresh(model, &state.position, bounds);
     let Workspace { neighbours, reference, adjacency, reference_stiffness, .. } = work;

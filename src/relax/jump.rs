@@ -5,7 +5,7 @@ use crate::heap;
 use crate::model::Model;
 use crate::relax::balance::Balance;
 use crate::state::{Dissociated, State};
-use crate::wall::{self, Bounds};
+use crate::wall::{self, Room};
 
 /// The unbalanced force has grown when it is this many times its least.
 const GROWTH: f64 = 1.5;
@@ -52,7 +52,7 @@ impl Pose {
 
     /// The box.
     #[must_use]
-    pub fn bounds(&self, model: &Model) -> Bounds {
+    pub fn bounds(&self, model: &Model) -> Room {
         model.bounds(&self.displacement)
     }
 
@@ -68,17 +68,21 @@ impl Pose {
     }
 }
 
-/// The affine motion of a box from one shape to another.
+/// The motion of what is between walls that go from one place to another: affine in a box.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Carried {
+    before: Room,
+    after: Room,
     from: Vec3,
     to: Vec3,
     scale: Vec3,
 }
 
 impl Carried {
-    pub(super) fn new(before: &Bounds, after: &Bounds) -> Self {
+    pub(super) fn new(before: &Room, after: &Room) -> Self {
         Self {
+            before: *before,
+            after: *after,
             from: before.min.into(),
             to: after.min.into(),
             scale: Vec3::from(after.sides()).component_div(&Vec3::from(before.sides())),
@@ -87,7 +91,10 @@ impl Carried {
 
     /// Where it takes what was at `at`.
     pub(super) fn to(&self, at: &Vec3) -> Vec3 {
-        self.to + self.scale.component_mul(&(at - self.from))
+        match self.before.is_round() {
+            false => self.to + self.scale.component_mul(&(at - self.from)),
+            true => self.before.carry(&self.after, at),
+        }
     }
 }
 

@@ -67,7 +67,7 @@ impl Linear {
         for_each(parts, |k, part| {
             part.begin(split.rows(k), split.rows_with_separator(k));
             for (i, at) in split.range(k).filter(|(_, at)| at.part as usize == k) {
-                part.place(at.row as usize, i as u32, balance.wall_stiffness[i]);
+                part.place(at.row as usize, i as u32, balance.wall_block(i));
             }
             part.take_contacts(split, k, &contacts, &balance.links);
             part.fill_empty_rows();
@@ -75,7 +75,7 @@ impl Linear {
         let late = split.parts();
         separator.begin(split.rows(late), split.rows_with_separator(late));
         for (i, at) in split.separator() {
-            separator.place(at.row as usize, i as u32, balance.wall_stiffness[i]);
+            separator.place(at.row as usize, i as u32, balance.wall_block(i));
         }
         separator.take_between(split, parts, &balance.links);
         for part in &*parts {

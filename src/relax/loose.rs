@@ -307,7 +307,7 @@ pub(super) mod tests {
         model: &'a crate::model::Model,
         state: &'a State,
         work: &'a Workspace,
-        bounds: &'a crate::wall::Bounds,
+        bounds: &'a crate::wall::Room,
     ) -> Others<'a> {
         let Workspace { neighbours, reference, .. } = work;
         Others { model, neighbours, reference, carries: &state.carries, bounds }

@@ -7,7 +7,7 @@ use crate::relax::linear::Inner;
 use crate::relax::servo::{self, Motion};
 use crate::relax::{Status, Workspace, rattlers};
 use crate::state::State;
-use crate::wall::Bounds;
+use crate::wall::Room;
 
 /// First shift of a grain, and the one below which it is dropped, over the sum of P/r of a grain.
 const FIRST_SHIFT: f64 = 0.02;
@@ -159,10 +159,12 @@ pub fn solve(model: &Model, state: &mut State, work: &mut Workspace) -> Solved {
 
 /// Takes the grains as loose that are much further from their balance than the others.
 fn find_loose(model: &Model, work: &mut Workspace) {
-    let Workspace { balance, loose, .. } = work;
+    let Workspace { balance, loose, reference, .. } = work;
     let limit = least_loose(model, balance).powi(2);
     for (i, (force, moment)) in balance.gradient.iter().zip(&balance.moment).enumerate() {
-        if force.norm_squared().max(moment.norm_squared()) > limit {
+        let far = force.norm_squared().max(moment.norm_squared()) > limit;
+        // One by one grains do not feel the pressure of a membrane.
+        if far && !reference.membranes.press_on(i) {
             loose.add(i);
         }
     }
@@ -243,7 +245,7 @@ fn step(
     model: &Model,
     state: &mut State,
     work: &mut Workspace,
-    bounds: &Bounds,
+    bounds: &Room,
     (forcing, least_damping): (f64, f32),
     largest: f64,
 ) -> Option<bool> {
@@ -327,14 +329,16 @@ fn hold_back(work: &mut Workspace, cap: f64) -> bool {
 
 /// Cuts the steps longer than `cap` \[m\] and takes those grains as loose; says whether there are any.
 fn cut(work: &mut Workspace, cap: f64) -> bool {
-    let Workspace { step, turn, loose, .. } = work;
+    let Workspace { step, turn, loose, reference, .. } = work;
     let mut any = false;
     for (i, (step, turn)) in step.iter_mut().zip(turn).enumerate() {
         let length = step.norm().max(turn.norm());
         if length > cap {
             *step *= cap / length;
             *turn *= cap / length;
-            loose.add(i);
+            if !reference.membranes.press_on(i) {
+                loose.add(i);
+            }
             any = true;
         }
     }
@@ -342,7 +346,7 @@ fn cut(work: &mut Workspace, cap: f64) -> bool {
 }
 
 /// Backtracks along the step; says whether the whole step was taken, `None` when nothing descends.
-fn search(model: &Model, state: &mut State, work: &mut Workspace, bounds: &Bounds) -> Option<bool> {
+fn search(model: &Model, state: &mut State, work: &mut Workspace, bounds: &Room) -> Option<bool> {
     let before = work.balance.potential();
     let slope = work.slope(&work.balance);
     let square: f64 = square(&work.balance);
@@ -382,11 +386,11 @@ fn search(model: &Model, state: &mut State, work: &mut Workspace, bounds: &Bound
 
 /// Work of the loads of walls on the way to the configuration on trial \[J\]. Weights have their
 /// potential against the centre of the box, which moves with its walls.
-fn loads(model: &Model, state: &State, work: &Workspace, bounds: &Bounds, factor: f64) -> f64 {
+fn loads(model: &Model, state: &State, work: &Workspace, bounds: &Room, factor: f64) -> f64 {
     if !work.servo.is_active() {
         return 0.0;
     }
-    let after = model.start.displaced(&work.trial_displacement);
+    let after = model.bounds(&work.trial_displacement);
     let moved = Vec3::from(after.center()) - Vec3::from(bounds.center());
     let weights = model.weight.iter().zip(&state.carries).filter(|&(_, &carries)| carries);
     let sunk: f64 = weights.map(|(weight, _)| weight.dot(&moved)).sum();

@@ -11,7 +11,7 @@ use crate::model::Model;
 use crate::relax::rows::{Near, Rows};
 use crate::relax::{Workspace, newton};
 use crate::state::State;
-use crate::wall::Bounds;
+use crate::wall::Room;
 use site::{Settled, Site};
 
 /// Contacts with an overlap below this share of the mean do not count as support.
@@ -23,6 +23,9 @@ const MOST_FALLS: u32 = 10_000;
 /// A contact of a floating grain is open when its force is below this share of the tolerance
 /// times the mean force.
 const OPEN: f64 = 0.1;
+
+/// Contacts that a membrane counts as: more than any grain has.
+const PRESSED_ON: u32 = 1000;
 
 /// A grain whose weight is below this share of the mean contact force floats where nothing holds
 /// it, as it would without gravity.
@@ -90,6 +93,10 @@ pub fn find(model: &Model, state: &mut State, work: &mut Workspace) {
     }
     rattlers.stack.clear();
     for i in 0..n {
+        // What a membrane presses on goes on until something holds it.
+        if reference.membranes.press_on(i) {
+            rattlers.degree[i] += PRESSED_ON;
+        }
         state.carries[i] = rattlers.degree[i] >= needed;
         if !state.carries[i] {
             rattlers.stack.push(i as u32);
@@ -107,7 +114,7 @@ pub fn find(model: &Model, state: &mut State, work: &mut Workspace) {
     }
 }
 
-fn mean_overlap(model: &Model, position: &[Vec3], bounds: &Bounds, near: &Neighbours) -> f64 {
+fn mean_overlap(model: &Model, position: &[Vec3], bounds: &Room, near: &Neighbours) -> f64 {
     let mut sum = 0.0;
     let mut count = 0u32;
     let mut add = |h: f64| {
@@ -185,6 +192,7 @@ pub fn settle(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
 /// or to float where they have no weight or a negligible one among the contact forces.
 pub fn release(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
     let tolerance = model.solver.tolerance;
+    let bounds = state.bounds(model);
     let Workspace { neighbours, balance, support, reference, .. } = work;
     support.clear();
     support.resize(model.len(), 0);
@@ -192,10 +200,16 @@ pub fn release(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
         let first = neighbours.row(i).start;
         let row = &balance.links[first..first + balance.links_in_row[i] as usize];
         support[i] += row.len() as u32;
+        if reference.membranes.press_on(i) {
+            support[i] += PRESSED_ON;
+        }
         for link in row {
             support[link.second as usize] += 1;
         }
-        support[i] += balance.wall_stiffness[i].iter().filter(|&&k| k > 0.0).count() as u32;
+        support[i] += match bounds.is_round() {
+            false => balance.wall_stiffness[i].iter().filter(|&&k| k > 0.0).count() as u32,
+            true => walls_under(model, state, neighbours, &bounds, i),
+        };
     }
     let needed = model.contacts_to_carry();
     for (held, traction) in reference.contacts.iter().zip(&balance.tractions) {
@@ -226,4 +240,12 @@ pub fn release(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
         }
     }
     rest
+}
+
+/// Walls that grain `i` presses on; none where it takes no part in the balance.
+fn walls_under(model: &Model, state: &State, near: &Neighbours, room: &Room, i: usize) -> u32 {
+    let presses = |&(wall, reach): &(u8, f64)| {
+        state.carries[i] && wall_gap(&state.position[i], usize::from(wall), room) < reach
+    };
+    near.walls_near(model, i).filter(presses).count() as u32
 }

@@ -29,7 +29,7 @@ use crate::model::Model;
 use crate::relax::linear::Inner;
 use crate::relax::{Workspace, newton};
 use crate::state::State;
-use crate::wall::{self, Bounds, Load, Setpoint};
+use crate::wall::{self, Load, Room, Setpoint};
 
 /// Overlaps change by this share between the two balances of a difference.
 const DIFFERENCE: f64 = 1e-4;
@@ -57,9 +57,14 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// The drives of `setpoint`, in the order of the axes.
+    /// The drives of `setpoint`, in the order of the axes. Round walls and membranes have their own.
     #[must_use]
-    pub fn of(setpoint: &Setpoint) -> Vec<Self> {
+    pub fn of(model: &Model, setpoint: &Setpoint) -> Vec<Self> {
+        let alone = |w: usize| {
+            let load = setpoint[w].load()?;
+            let shares = if w.is_multiple_of(2) { [1.0, 0.0] } else { [0.0, 1.0] };
+            Some(Self { axis: wall::axis(w), shares, load })
+        };
         let drive = |axis: usize| {
             let loads = [setpoint[2 * axis].load(), setpoint[2 * axis + 1].load()];
             let (shares, load) = match loads {
@@ -70,7 +75,36 @@ impl Drive {
             };
             Some(Self { axis, shares, load })
         };
-        (0..3).filter_map(drive).collect()
+        let Some(cell) = &model.cell else { return (0..3).filter_map(drive).collect() };
+        let mut drives = Vec::new();
+        for axis in 0..3 {
+            let pair = [2 * axis, 2 * axis + 1];
+            match cell.is_paired(axis) && !pair.iter().any(|&w| cell.is_membrane(w)) {
+                true => drives.extend(drive(axis)),
+                false => drives.extend(pair.into_iter().filter_map(alone)),
+            }
+        }
+        drives
+    }
+
+    /// Whether it is the pressure of a membrane, which no wall moves by.
+    #[must_use]
+    pub(super) fn is_membrane(&self, model: &Model) -> bool {
+        model.cell.as_ref().is_some_and(|cell| cell.is_membrane(self.wall()))
+    }
+
+    /// A wall that moves.
+    #[must_use]
+    pub(super) fn wall(&self) -> usize {
+        2 * self.axis + usize::from(self.shares[0] == 0.0)
+    }
+
+    /// What its motion is a strain of \[m\].
+    fn length(&self, room: &Room) -> f64 {
+        match room.radii() {
+            Some([_, outer]) if self.axis == 0 => outer,
+            _ => room.sides()[self.axis],
+        }
     }
 
     /// Mean normal force on the walls that move \[N\], of those on all walls.
@@ -82,8 +116,8 @@ impl Drive {
 
     /// Normal force that each wall shall carry in the box `bounds` \[N\].
     #[must_use]
-    pub fn goal(&self, bounds: &Bounds) -> f64 {
-        self.load.force(bounds.area(2 * self.axis))
+    pub fn goal(&self, bounds: &Room) -> f64 {
+        self.load.force(bounds.area(self.wall()))
     }
 
     /// The stress, where the load is one \[Pa\].
@@ -95,10 +129,15 @@ impl Drive {
         }
     }
 
-    /// Where the drive takes what is at `position`, over its own motion, along its axis.
-    fn carried(&self, position: &Vec3, bounds: &Bounds) -> f64 {
+    /// Where the drive takes what is at `position`, over its own motion: X.
+    fn carried(&self, position: &Vec3, bounds: &Room) -> Vec3 {
+        if self.axis == 0 && bounds.is_round() {
+            return bounds.carried(position, self.wall());
+        }
+        let mut carried = Vec3::zeros();
         let [low, high] = [bounds.min[self.axis], bounds.max[self.axis]];
-        self.shares[0] - (position[self.axis] - low) / (high - low)
+        carried[self.axis] = self.shares[0] - (position[self.axis] - low) / (high - low);
+        carried
     }
 }
 
@@ -161,7 +200,7 @@ impl Servo {
         model: &Model,
         near: &Neighbours,
         grains: (&[Vec3], &[bool]),
-        bounds: &Bounds,
+        bounds: &Room,
         cement: &[f64; wall::COUNT],
     ) -> [f64; 3] {
         if self.drives.is_empty() {
@@ -176,7 +215,7 @@ impl Servo {
     }
 
     /// Largest unbalanced load over the load itself, or over `least` \[N\] where that is more.
-    pub(super) fn residual(&self, unbalance: &[f64; 3], bounds: &Bounds, least: f64) -> f64 {
+    pub(super) fn residual(&self, unbalance: &[f64; 3], bounds: &Room, least: f64) -> f64 {
         (self.drives.iter().zip(unbalance))
             .map(|(drive, left)| left.abs() / drive.goal(bounds).max(least).max(f64::MIN_POSITIVE))
             .fold(0.0, |most: f64, x| if x > most || x.is_nan() { x } else { most })
@@ -202,7 +241,7 @@ impl Servo {
 
     /// Work of the loads over `factor` times the step, which began in the box `before` and ends in
     /// `after` \[J\].
-    pub(super) fn work(&self, before: &Bounds, after: &Bounds, factor: f64) -> f64 {
+    pub(super) fn work(&self, before: &Room, after: &Room, factor: f64) -> f64 {
         (self.drives.iter().zip(self.step))
             .map(|(drive, step)| 0.5 * (drive.goal(before) + drive.goal(after)) * factor * step)
             .sum()
@@ -214,10 +253,9 @@ impl Servo {
     }
 
     /// Counts the step that was taken, `factor` times what it was.
-    pub(super) fn took(&mut self, bounds: &Bounds, factor: f64) {
-        let sides = bounds.sides();
+    pub(super) fn took(&mut self, bounds: &Room, factor: f64) {
         for (a, drive) in self.drives.iter().enumerate() {
-            self.strain[a] += factor * self.step[a] / sides[drive.axis];
+            self.strain[a] += factor * self.step[a] / drive.length(bounds);
         }
     }
 
@@ -243,7 +281,7 @@ pub(super) fn drive(
     model: &Model,
     state: &State,
     work: &mut Workspace,
-    bounds: &Bounds,
+    bounds: &Room,
     cap: f64,
 ) -> Motion {
     if !work.servo.is_active() {
@@ -274,7 +312,7 @@ pub(super) fn drive(
         add(&mut work.step, response);
         add(&mut work.turn, turns);
         for (to, at) in work.step.iter_mut().zip(&state.position) {
-            to[drive.axis] += drive.carried(at, bounds) * step[a];
+            *to += drive.carried(at, bounds) * step[a];
         }
     }
     motion
@@ -296,7 +334,7 @@ pub(super) fn yielding(model: &Model, state: &State, work: &mut Workspace) -> [f
 }
 
 /// F - f + X·g + z·g: what the relaxed pack would leave of each load \[N\].
-fn unbalanced(state: &State, work: &Workspace, bounds: &Bounds) -> Vector3<f64> {
+fn unbalanced(state: &State, work: &Workspace, bounds: &Room) -> Vector3<f64> {
     let Workspace { servo, balance, .. } = work;
     let mut left = Vector3::from(balance.unbalance);
     for (a, drive) in servo.drives.iter().enumerate() {
@@ -310,10 +348,8 @@ fn unbalanced(state: &State, work: &Workspace, bounds: &Bounds) -> Vector3<f64> 
 }
 
 /// X·g \[N\].
-fn carried_force(drive: &Drive, state: &State, gradient: &[Vec3], bounds: &Bounds) -> f64 {
-    (state.position.iter().zip(gradient))
-        .map(|(at, g)| drive.carried(at, bounds) * g[drive.axis])
-        .sum()
+fn carried_force(drive: &Drive, state: &State, gradient: &[Vec3], bounds: &Room) -> f64 {
+    (state.position.iter().zip(gradient)).map(|(at, g)| drive.carried(at, bounds).dot(g)).sum()
 }
 
 fn dot(one: &[Vec3], other: &[Vec3]) -> f64 {
@@ -322,7 +358,7 @@ fn dot(one: &[Vec3], other: &[Vec3]) -> f64 {
 
 /// The step of the drives \[m\] that leaves nothing of `left`, if the pack resists and the strain is
 /// allowed; otherwise as far as it is, downhill.
-fn wall_step(servo: &Servo, left: &Vector3<f64>, bounds: &Bounds) -> ([f64; 3], Motion) {
+fn wall_step(servo: &Servo, left: &Vector3<f64>, bounds: &Room) -> ([f64; 3], Motion) {
     let count = servo.drives.len();
     let symmetric = 0.5 * (servo.stiffness + servo.stiffness.transpose());
     if !symmetric.iter().chain(left).all(|number| number.is_finite()) {
@@ -344,7 +380,7 @@ fn wall_step(servo: &Servo, left: &Vector3<f64>, bounds: &Bounds) -> ([f64; 3], 
         step -= direction * (direction.dot(left) / value.abs().max(least));
     }
     let strain =
-        (0..count).map(|a| step[a].abs() / sides[servo.drives[a].axis]).fold(0.0, f64::max);
+        (0..count).map(|a| step[a].abs() / servo.drives[a].length(bounds)).fold(0.0, f64::max);
     if strain > servo.most_strain {
         step *= servo.most_strain / strain;
         motion = Motion::Yielding;
@@ -353,7 +389,7 @@ fn wall_step(servo: &Servo, left: &Vector3<f64>, bounds: &Bounds) -> ([f64; 3], 
 }
 
 /// Takes response and stiffness anew, with the linear system at hand; `work.step` stays.
-fn respond(model: &Model, state: &State, work: &mut Workspace, bounds: &Bounds) {
+fn respond(model: &Model, state: &State, work: &mut Workspace, bounds: &Room) {
     std::mem::swap(&mut work.servo.standing.0, &mut work.step);
     std::mem::swap(&mut work.servo.standing.1, &mut work.turn);
     let count = work.servo.drives.len();
@@ -364,13 +400,9 @@ fn respond(model: &Model, state: &State, work: &mut Workspace, bounds: &Bounds) 
     let strain = (DIFFERENCE * overlap).max(LEAST_STRAIN);
     for b in 0..count {
         let drive = work.servo.drives[b];
-        let shift = strain * bounds.sides()[drive.axis];
+        let shift = strain * drive.length(bounds);
         work.step.clear();
-        work.step.extend(state.position.iter().map(|at| {
-            let mut step = Vec3::zeros();
-            step[drive.axis] = drive.carried(at, bounds) * shift;
-            step
-        }));
+        work.step.extend(state.position.iter().map(|at| drive.carried(at, bounds) * shift));
         work.turn.clear();
         work.turn.resize(state.rotation.len(), Vec3::zeros());
         work.servo.step = std::array::from_fn(|a| if a == b { shift } else { 0.0 });
@@ -433,7 +465,11 @@ fn difference(into: &mut Vec<Vec3>, to: &[Vec3], from: &[Vec3], shift: f64) {
 mod tests {
     use super::*;
 
-    const BOX: Bounds = Bounds { min: [0.0; 3], max: [1e-3; 3] };
+    use crate::wall::Bounds;
+
+    fn unit_box() -> Room {
+        Room::from(Bounds { min: [0.0; 3], max: [1e-3; 3] })
+    }
 
     fn servo(stiffness: Matrix3<f64>) -> Servo {
         let drive = |axis| Drive { axis, shares: [0.5, 0.5], load: Load::Stress(1e6) };
@@ -443,7 +479,8 @@ mod tests {
     #[test]
     fn walls_go_to_the_balance_of_a_pack_that_resists() {
         let stiffness = Matrix3::new(3e6, 1e6, 0.0, 1e6, 2e6, 0.0, 0.0, 0.0, 3e6);
-        let (step, motion) = wall_step(&servo(stiffness), &Vector3::new(-0.04, 0.01, 0.0), &BOX);
+        let (step, motion) =
+            wall_step(&servo(stiffness), &Vector3::new(-0.04, 0.01, 0.0), &unit_box());
         assert_eq!(motion, Motion::Newton);
         // 3 x + y = 0.04, x + 2 y = -0.01, in 1e-6 m.
         assert!((step[0] - 0.018e-6).abs() < 1e-20 && (step[1] + 0.014e-6).abs() < 1e-20);
@@ -453,11 +490,12 @@ mod tests {
     #[test]
     fn walls_go_downhill_and_no_further_than_allowed_where_the_pack_yields() {
         let stiffness = Matrix3::from_diagonal(&Vector3::new(3e6, -1e3, 3e6));
-        let (step, motion) = wall_step(&servo(stiffness), &Vector3::new(0.0, -0.5, 0.0), &BOX);
+        let (step, motion) =
+            wall_step(&servo(stiffness), &Vector3::new(0.0, -0.5, 0.0), &unit_box());
         assert_eq!((motion, step[0]), (Motion::Yielding, 0.0));
         assert!((step[1] / 1e-7 - 1.0).abs() < 1e-12, "{step:?}");
         let nothing = Matrix3::zeros();
-        let (step, motion) = wall_step(&servo(nothing), &Vector3::new(-1.0, 0.0, 0.0), &BOX);
+        let (step, motion) = wall_step(&servo(nothing), &Vector3::new(-1.0, 0.0, 0.0), &unit_box());
         assert_eq!(motion, Motion::Yielding);
         assert!((step[0] / 1e-7 - 1.0).abs() < 1e-12, "{step:?}");
     }
@@ -466,9 +504,9 @@ mod tests {
     fn a_balance_that_is_none_moves_no_wall() {
         for number in [f64::NAN, f64::INFINITY] {
             let left = Vector3::new(1.0, number, 0.0);
-            assert_eq!(wall_step(&servo(Matrix3::identity()), &left, &BOX).0, [0.0; 3]);
+            assert_eq!(wall_step(&servo(Matrix3::identity()), &left, &unit_box()).0, [0.0; 3]);
             let stiffness = Matrix3::identity() * number;
-            assert_eq!(wall_step(&servo(stiffness), &Vector3::x(), &BOX).0, [0.0; 3]);
+            assert_eq!(wall_step(&servo(stiffness), &Vector3::x(), &unit_box()).0, [0.0; 3]);
         }
     }
 }

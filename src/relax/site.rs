@@ -6,7 +6,7 @@ use crate::contact::neighbours::{Neighbours, wall_gap};
 use crate::model::Model;
 use crate::relax::rows::{Near, Rows};
 use crate::relax::tangential::{Held, Pose, Pull, Reference, Traction};
-use crate::wall::{self, Bounds};
+use crate::wall::Room;
 
 /// What the grains can touch, wherever they are.
 #[derive(Clone, Copy)]
@@ -15,7 +15,7 @@ pub(super) struct Others<'a> {
     pub(super) neighbours: &'a Neighbours,
     pub(super) reference: &'a Reference,
     pub(super) carries: &'a [bool],
-    pub(super) bounds: &'a Bounds,
+    pub(super) bounds: &'a Room,
 }
 
 /// What each grain can touch.
@@ -83,7 +83,7 @@ pub(super) struct Press {
     pub(super) overlap: f64,
     /// n̂, towards the grain.
     pub(super) normal: Vec3,
-    /// 1/r of the pair \[1/m\]; 0 at a wall.
+    /// 1/r of the pair \[1/m\]; 0 at a wall, whose own curvature is left out.
     pub(super) curvature: f64,
 }
 
@@ -126,9 +126,8 @@ impl<'a> Site<'a> {
             let wall = usize::from(wall);
             let overlap = reach - wall_gap(&xi, wall, bounds);
             if overlap > 0.0 {
-                let mut normal = Vec3::zeros();
-                normal[wall::axis(wall)] = wall::inward(wall);
-                let modulus = neighbours.wall_modulus[i];
+                let normal = bounds.normal(&xi, wall);
+                let modulus = neighbours.wall_modulus(i, wall);
                 take(Press { modulus, overlap, normal, curvature: 0.0 });
             }
         }

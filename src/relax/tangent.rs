@@ -37,7 +37,7 @@ use crate::relax::balance::{Balance, Configuration};
 use crate::relax::tangential::Reference;
 use crate::relax::{Outcome, Status, Workspace, newton};
 use crate::state::State;
-use crate::wall::{self, Bounds};
+use crate::wall::{self, Room};
 use gmres::{dot, norm};
 use hessian::Hessian;
 use preconditioner::Preconditioner;
@@ -121,7 +121,7 @@ fn configuration<'a>(
     state: &'a State,
     work: &'a Workspace,
     reference: &'a Reference,
-    bounds: &'a Bounds,
+    bounds: &'a Room,
 ) -> Configuration<'a> {
     Configuration {
         model,
@@ -191,7 +191,7 @@ fn motions(frictional: bool) -> Vec<[f64; wall::COUNT]> {
 
 fn respond(
     state: &State,
-    bounds: &Bounds,
+    bounds: &Room,
     hessian: &Hessian<'_>,
     preconditioner: &mut Preconditioner,
     walls: &[f64; wall::COUNT],
@@ -217,7 +217,7 @@ fn respond(
 }
 
 /// Where `walls` take the grains that carry, affinely.
-fn carried(state: &State, bounds: &Bounds, walls: &[f64; wall::COUNT], length: usize) -> Vec<Vec3> {
+fn carried(state: &State, bounds: &Room, walls: &[f64; wall::COUNT], length: usize) -> Vec<Vec3> {
     let (low, sides) = (Vec3::from(bounds.min), Vec3::from(bounds.sides()));
     let mut carried = vec![Vec3::zeros(); length];
     for (i, at) in state.position.iter().enumerate().filter(|(i, _)| state.carries[*i]) {
@@ -230,12 +230,12 @@ fn carried(state: &State, bounds: &Bounds, walls: &[f64; wall::COUNT], length: u
 }
 
 /// Mean normal force of each pair of walls over its area \[Pa\].
-fn stress(model: &Model, state: &State, work: &Workspace, bounds: &Bounds) -> [f64; 3] {
+fn stress(model: &Model, state: &State, work: &Workspace, bounds: &Room) -> [f64; 3] {
     let forces = walls::normal_forces(model, state, &work.neighbours);
     std::array::from_fn(|l| 0.5 * (forces[2 * l] + forces[2 * l + 1]) / bounds.area(2 * l))
 }
 
-fn gather(modes: &[Mode], bounds: &Bounds, stress: &[f64; 3]) -> Stiffness {
+fn gather(modes: &[Mode], bounds: &Room, stress: &[f64; 3]) -> Stiffness {
     let sides = bounds.sides();
     // One wall is a mode, or half of that of its pair.
     let (share, of) = match modes.len() {

@@ -22,6 +22,7 @@ use crate::heap;
 use crate::model::Model;
 use crate::pack::Layer;
 use crate::relax::balance::{Balance, Configuration};
+use crate::relax::membrane::Membranes;
 use crate::scene::Law;
 use crate::state::State;
 use crate::wall;
@@ -105,6 +106,8 @@ pub struct Reference {
     bonds: Vec<Bonded>,
     /// Rotations at the reference \[rad\], shape (n).
     rotation: Vec<Vec3>,
+    /// Pressures on the surface of the pack, whose grains are those of the reference.
+    pub(in crate::relax) membranes: Membranes,
     /// Whether contacts carry shear.
     pub active: bool,
     /// Whether only cement resists sliding.
@@ -119,6 +122,7 @@ impl Reference {
         heap::bytes(&self.contacts)
             + heap::bytes(&self.layers)
             + heap::bytes(&self.rotation)
+            + self.membranes.heap_bytes()
             + self.bond_bytes()
     }
 

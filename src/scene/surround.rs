@@ -1,24 +1,29 @@
-//! What surrounds a pack of discs besides four plane walls (B 2.5, 3.3.2, 4.4, 4.5).
+//! What surrounds a pack besides plane walls (B 2.5, 3.3.2, 4.4, 4.5).
+
+mod spheres;
 
 use serde::{Deserialize, Serialize};
 
 use super::check::{Field, Problems};
-use super::{LoadPath, Step, WallName, Walls};
+use super::{Scene, Step, WallName, Walls};
 use crate::wall::{self, WallTarget};
 
 /// Most points in all.
 pub const MOST_POINTS: usize = 64;
 
-/// What the sides of a pack of discs enclose.
+/// What the walls enclose.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Cell {
     /// A box.
     #[default]
     Box,
-    /// The room between two circles about the middle of the box: `x_max` is the outer one, which the
-    /// box is the square around, `x_min` the inner one.
+    /// Of discs, the room between two circles about the middle of the box: `x_max` is the outer one, which
+    /// the box is the square around, `x_min` the inner one.
     Annulus(Annulus),
+    /// Of spheres, the room in a cylinder about an axis along z, or between two: `x_max` is the outer one,
+    /// `x_min` the inner one.
+    Cylinder(Cylinder),
 }
 
 /// See [`Cell::Annulus`].
@@ -27,6 +32,42 @@ pub enum Cell {
 pub struct Annulus {
     /// Radius of the inner circle at the start \[m\], above 0.
     pub inner: f64,
+}
+
+/// See [`Cell::Cylinder`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cylinder {
+    /// Radius of the inner cylinder at the start \[m\], above 0; without it there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inner: Option<f64>,
+}
+
+impl Cell {
+    /// Whether it is a box.
+    #[must_use]
+    pub fn is_box(&self) -> bool {
+        *self == Self::Box
+    }
+
+    /// Radius of the inner circle or cylinder at the start \[m\], 0 without one; `None` for a box.
+    #[must_use]
+    pub fn inner(&self) -> Option<f64> {
+        match self {
+            Self::Box => None,
+            Self::Annulus(annulus) => Some(annulus.inner),
+            Self::Cylinder(cylinder) => Some(cylinder.inner.unwrap_or(0.0)),
+        }
+    }
+
+    /// Multiplies all lengths by `factor`.
+    pub(crate) fn scale(&mut self, factor: f64) {
+        match self {
+            Self::Box => {}
+            Self::Annulus(annulus) => annulus.inner *= factor,
+            Self::Cylinder(cylinder) => cylinder.inner.iter_mut().for_each(|r| *r *= factor),
+        }
+    }
 }
 
 /// Discs that stand in the place of a wall.
@@ -85,22 +126,17 @@ fn is_plain(walls: &Walls) -> bool {
 }
 
 /// What a scene of spheres, or of discs, cannot have of it.
-pub(super) fn check(dimension: u8, walls: &Walls, path: &LoadPath, problems: &mut Problems) {
+pub(super) fn check(scene: &Scene, problems: &mut Problems) {
+    let Scene { walls, load_path: path, .. } = scene;
     if is_plain(walls) {
         return;
     }
     let at = Field::root().key("walls");
-    if dimension != 2 {
-        let keys = [
-            ("cell", walls.cell != Cell::Box),
-            ("points", !walls.points.is_empty()),
-            ("open", !walls.open.is_empty()),
-            ("membranes", !walls.membranes.is_empty()),
-        ];
-        for (key, _) in keys.into_iter().filter(|(_, there)| *there) {
-            problems.add(at.key(key), "is for discs; allowed: no such key, or `dimension: 2`");
-        }
-        return;
+    if scene.dimension != 2 {
+        return spheres::check(scene, &at, problems);
+    }
+    if let Cell::Cylinder(_) = walls.cell {
+        problems.add(at.key("cell"), "a cylinder is for spheres; allowed: box, annulus");
     }
     if let Cell::Annulus(annulus) = walls.cell {
         let inner = at.key("cell").key("annulus").key("inner");
@@ -158,7 +194,7 @@ fn check_points(walls: &Walls, at: &Field, problems: &mut Problems) {
 }
 
 /// Membranes press from the start on, and with a stress.
-fn check_pressures(walls: &Walls, at: &Field, problems: &mut Problems) {
+fn check_pressed(walls: &Walls, at: &Field, problems: &mut Problems) {
     let targets = walls.targets.in_order();
     for side in &walls.membranes {
         let name = wall::NAMES[side.index()];
@@ -169,6 +205,11 @@ fn check_pressures(walls: &Walls, at: &Field, problems: &mut Problems) {
             );
         }
     }
+}
+
+fn check_pressures(walls: &Walls, at: &Field, problems: &mut Problems) {
+    check_pressed(walls, at, problems);
+    let targets = walls.targets.in_order();
     for side in &walls.membranes {
         let beside = [0, 1].map(|k| 2 * (1 - wall::axis(side.index()).min(1)) + k);
         let plain = |w: &usize| {
@@ -198,8 +239,10 @@ fn check_steps(steps: &[Step], at: &Field, problems: &mut Problems) {
             Step::Repeat(repeat) => {
                 check_steps(&repeat.steps, &at.key("repeat").key("steps"), problems);
             }
-            _ => problems
-                .add(at, "strains a box, not an annulus; allowed: walls, unload, commands, repeat"),
+            _ => problems.add(
+                at,
+                "strains a box, not a round cell; allowed: walls, unload, commands, repeat",
+            ),
         }
     }
 }

@@ -48,7 +48,7 @@ impl Targets {
         [self.x_min, self.x_max, self.y_min, self.y_max, self.z_min, self.z_max]
     }
 
-    /// The two walls of a pair carry the same load where they are `paired`.
+    /// The two walls of a pair carry the same load where they are `paired`, those across z always.
     pub(super) fn check(&self, at: &Field, paired: bool, problems: &mut Problems) {
         let targets = self.in_order();
         for (name, target) in wall::NAMES.iter().zip(targets) {
@@ -65,7 +65,7 @@ impl Targets {
         for pair in 0..3 {
             let (low, high) = (targets[2 * pair], targets[2 * pair + 1]);
             let load = |target| matches!(target, WallTarget::Force(_) | WallTarget::Stress(_));
-            if paired && load(low) && load(high) && low != high {
+            if (paired || pair == 2) && load(low) && load(high) && low != high {
                 let name = wall::NAMES[2 * pair + 1];
                 problems.add(
                     at.key(name),

@@ -24,7 +24,7 @@ pub struct Walls {
     /// pack has them.
     #[serde(skip_serializing_if = "Targets::is_empty")]
     pub targets: Targets,
-    /// What the sides of a pack of discs enclose.
+    /// What the walls enclose.
     #[serde(skip_serializing_if = "is_box")]
     pub cell: Cell,
     /// Discs in the place of walls: supports and loads at points.
@@ -39,7 +39,7 @@ pub struct Walls {
 }
 
 fn is_box(cell: &Cell) -> bool {
-    *cell == Cell::Box
+    cell.is_box()
 }
 
 impl Default for Walls {
@@ -71,6 +71,6 @@ impl Walls {
         if let Some(friction) = self.friction {
             problems.at_least_zero(at.key("friction"), friction, "friction >= 0, .inf included");
         }
-        self.targets.check(&at.key("targets"), self.cell == Cell::Box, problems);
+        self.targets.check(&at.key("targets"), self.cell.is_box(), problems);
     }
 }

@@ -5,6 +5,7 @@ use super::Twin;
 use crate::command::gate::{Order, Stand};
 use crate::measure::walls;
 use crate::plane;
+use crate::plane::boundary::SIDES;
 use crate::relax::Workspace;
 use crate::relax::advance::{Advance, advance};
 use crate::wall::Setpoint;
@@ -108,10 +109,14 @@ impl Twin {
     pub(super) fn stand(&mut self) -> Stand {
         let Self { model, state, work, .. } = self;
         work.neighbours.refresh(model, &state.position, &state.bounds(model));
-        let force = match &model.plane {
+        let mut force = match &model.plane {
             None => walls::normal_forces(model, state, &work.neighbours),
             Some(_) => plane::contacts::normal_forces(model, state, &work.neighbours),
         };
+        let cell = model.cell.as_ref();
+        for w in (0..SIDES).filter(|&w| cell.is_some_and(|cell| cell.is_membrane(w))) {
+            force[w] = state.pressure[w] * model.wall_area(w, &state.displacement);
+        }
         Stand { displacement: state.displacement, force }
     }
 }

@@ -20,11 +20,12 @@ use crate::report::{
     WallForces,
 };
 use crate::scene::ModuliKind;
-use crate::wall::Bounds;
+use crate::state::State;
+use crate::wall::Room;
 
 /// What stress and strain of the box are derived from.
 struct Loaded {
-    bounds: Bounds,
+    bounds: Room,
     walls: WallForces,
     /// From the walls \[Pa\].
     stress: Matrix3<f64>,
@@ -103,12 +104,13 @@ impl Twin {
     fn loaded(&self, contacts: &Contacts) -> Loaded {
         let bounds = self.state.bounds(&self.model);
         let walls = walls::forces(&self.model, &self.state, &contacts.list);
-        let cell = self.model.plane.as_ref().map(|setup| &setup.cell);
+        let plane = self.model.plane.as_ref().map(|setup| &setup.cell);
+        let cell = plane.or(self.model.cell.as_ref());
         let pressure = cell.and_then(|cell| cell.pressure(&walls));
         Loaded {
             stress: match pressure {
                 None => stress::from_leaning_walls(&walls, &bounds, self.state.tilt),
-                Some(pressure) => Matrix3::from_diagonal(&[pressure, pressure, 0.0].into()),
+                Some(pressure) => Matrix3::from_diagonal(&pressure.into()),
             },
             strain: stress::engineering_strain(&bounds, &self.model.reference),
             walls,
@@ -134,7 +136,7 @@ impl Twin {
                 None => normal[2] - 0.5 * (normal[0] + normal[1]),
                 Some(_) => normal[1] - normal[0],
             },
-            porosity: porosity::porosity(model, &contacts.list, state.volume(model)),
+            porosity: porosity::porosity(model, &contacts.list, solid_in(model, state)),
             coordination_number: f64::from(numbers.iter().sum::<u32>()) / model.len() as f64,
             sliding_ratio: contacts.sliding_ratio(),
             slipped: contacts.counted().filter(|c| c.slipped).count() as u32,
@@ -238,6 +240,14 @@ impl Twin {
     pub fn fabric(&mut self) -> Fabric {
         let contacts = self.contacts();
         fabric::fabric(&self.model, &self.state, &contacts, self.chain_share)
+    }
+}
+
+/// Volume that the grains are in as a whole \[m³\].
+fn solid_in(model: &Model, state: &State) -> f64 {
+    match &model.cell {
+        None => state.volume(model),
+        Some(_) => state.hull(model).volume(),
     }
 }
 

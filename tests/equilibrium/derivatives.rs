@@ -32,7 +32,7 @@ fn model(pack: &Pack) -> Model {
 }
 
 fn balance(model: &Model, position: &[Vec3], carries: &[bool]) -> (Balance, Neighbours) {
-    let bounds = &model.start;
+    let bounds = &model.start.into();
     let mut neighbours = Neighbours::default();
     neighbours.refresh(model, position, bounds);
     let mut balance = Balance::default();

@@ -257,7 +257,7 @@ fn an_increment_has_the_same_answer_however_it_was_solved() {
 
     let (mut state, mut work) = start();
     move_walls(&model, &mut state, &target, 1.0);
-    let goal = fire::Goal { residual: 1e-6, pressure: None, steps: 200_000 };
+    let goal = fire::Goal { residual: 1e-6, pressure: None, even: false, steps: 200_000 };
     assert_eq!(fire::descend(&model, &mut state, &mut work, goal), Status::Converged);
     assert_eq!(relax(&model, &mut state, &mut work).status, Status::Converged);
     agrees("inertial descent, then Newton", wall_forces(&model, &state));

@@ -8,6 +8,7 @@
 #[path = "../../benches/stability/agreement.rs"]
 mod agreement;
 mod closed_forms;
+mod cylinder;
 mod derivatives;
 #[path = "../../benches/stability/detection.rs"]
 mod detection;
@@ -21,6 +22,7 @@ mod hard;
 mod hysteresis;
 #[path = "../common/increments.rs"]
 mod increments;
+mod membranes;
 mod methods;
 #[path = "../common/packs.rs"]
 mod packs;

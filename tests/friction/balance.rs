@@ -222,7 +222,7 @@ impl Program {
             self.state.position[k] = pose.position[grain];
             self.state.rotation[k] = Vec3::from(history.rotation[grain]) + pose.turned[grain];
         }
-        self.work.evaluate(&self.model, &self.state, &self.model.start);
+        self.work.evaluate(&self.model, &self.state, &self.model.start.into());
         let unsort = |from: &[Vec3]| {
             let mut to = vec![Vec3::zeros(); from.len()];
             for (k, &grain) in self.model.order.iter().enumerate() {

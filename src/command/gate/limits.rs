@@ -180,7 +180,7 @@ impl Gate {
     /// Engineering strain of an axis against the box at the start.
     fn strain(&self, axis: usize, displacement: &[f64; wall::COUNT]) -> f64 {
         match &self.cell {
-            Some(cell) if !cell.is_paired() => {
+            Some(cell) if !cell.is_paired(axis) => {
                 1.0 - cell.bounds(displacement).sides()[axis] / self.start.sides()[axis]
             }
             _ => (displacement[2 * axis] + displacement[2 * axis + 1]) / self.start.sides()[axis],
@@ -248,7 +248,7 @@ impl Gate {
         std::array::from_fn(|w| match setpoint[w] {
             Control::Displacement(to) => Control::Displacement(between(self.displacement[w], to)),
             Control::Load(load) => {
-                let alone = self.cell.as_ref().is_some_and(|cell| !cell.is_paired());
+                let alone = self.cell.as_ref().is_some_and(|cell| !cell.is_paired(wall::axis(w)));
                 let pair = if alone { [w, w] } else { [w & !1, w | 1] };
                 let area = self.area(w);
                 // One for both walls of a pair when both carry the load, since it is the same.

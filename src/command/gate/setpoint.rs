@@ -42,7 +42,7 @@ fn fits(cell: &Cell, ask: &Ask, targets: &[WallTarget; wall::COUNT]) -> Result<(
         }
         if !cell.has(w) && !nothing {
             return Err(format!(
-                "{name} is asked for something: discs have no such wall here; allowed: 0 m, or keep"
+                "{name} is asked for something: there is no such wall here; allowed: 0 m, or keep"
             ));
         }
     }
@@ -81,7 +81,7 @@ impl Gate {
             let [low, high] = [2 * axis, 2 * axis + 1];
             if let (Some(one), Some(other)) = (setpoint[low].load(), setpoint[high].load())
                 && one != other
-                && self.cell.as_ref().is_none_or(Cell::is_paired)
+                && self.cell.as_ref().is_none_or(|cell| cell.is_paired(axis))
             {
                 return Err(format!(
                     "{} and {} shall carry {one} and {other}: the two walls of a pair carry \

@@ -92,7 +92,7 @@ fn making(scene: &Scene, goal: &Goal) -> Scene {
     making.walls.targets = Targets::from(match making.walls.cell {
         Cell::Box => [side, side, side, side, keep, keep],
         // The inner wall stands.
-        Cell::Annulus(_) => [keep, side, keep, keep, keep, keep],
+        Cell::Annulus(_) | Cell::Cylinder(_) => [keep, side, keep, keep, keep, keep],
     });
     making.walls.points = PointSides::default();
     making.walls.open.clear();

@@ -161,7 +161,7 @@ impl Part {
                     axis: wall::axis(wall) as u8,
                     side: -wall::inward(wall),
                     radius: model.radius[i] / units.length,
-                    modulus: near.wall_modulus[i] / units.modulus,
+                    modulus: near.wall_modulus(i, wall) / units.modulus,
                 });
             }
         }

@@ -45,6 +45,19 @@ impl Joint {
         Self { n, axial: k, ..Self::default() }
     }
 
+    /// Of a grain held across z by walls of the stiffness `[xx, yy, xy]`, along its principal directions.
+    pub(super) fn round_wall([x, y, xy]: [f32; 3]) -> [Self; 2] {
+        let angle = 0.5 * (2.0 * xy).atan2(x - y);
+        let (sin, cos) = angle.sin_cos();
+        let (mean, radius) = (0.5 * (x + y), (0.5 * (x - y)).hypot(xy));
+        let along = |n: [f32; 2], axial: f32| Self {
+            n: Four([n[0], n[1], 0.0, 0.0]),
+            axial,
+            ..Self::default()
+        };
+        [along([cos, sin], mean + radius), along([-sin, cos], mean - radius)]
+    }
+
     /// Of a contact that carries shear, and may be open; `over_radius` is 1/R of both grains,
     /// `scale` one over the reference stiffness.
     #[inline(always)]

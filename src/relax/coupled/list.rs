@@ -93,9 +93,15 @@ impl List {
                 }
             }
             self.pattern.end(row + 1);
-            for (axis, &k) in
-                balance.wall_stiffness[i].iter().enumerate().filter(|(_, k)| **k != 0.0)
-            {
+            let cross = balance.cross_stiffness(i);
+            let mut along = balance.wall_stiffness[i];
+            if cross != 0.0 {
+                let [x, y, _] = along;
+                let joints = Joint::round_wall([x, y, cross]);
+                self.walls.extend(joints.map(|joint| (i as u32, joint)));
+                along = [0.0, 0.0, along[2]];
+            }
+            for (axis, k) in along.into_iter().enumerate().filter(|(_, k)| *k != 0.0) {
                 self.walls.push((i as u32, Joint::wall(axis, k)));
             }
         }

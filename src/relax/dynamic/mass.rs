@@ -96,7 +96,8 @@ impl Masses {
         let Workspace { balance, neighbours, .. } = work;
         self.stiffness.clone_from(&self.shear);
         for (i, &[x, y, z]) in balance.wall_stiffness.iter().enumerate() {
-            self.stiffness[i].u.add(&Sym3::diagonal([0.5 * x, 0.5 * y, 0.5 * z]));
+            let xy = 0.5 * balance.cross_stiffness(i);
+            self.stiffness[i].u.add(&Sym3::new([0.5 * x, 0.5 * y, 0.5 * z, xy, 0.0, 0.0]));
             let first = neighbours.row(i).start;
             for link in &balance.links[first..first + balance.links_in_row[i] as usize] {
                 let normal = Sym3::outer_minus(link.m, 0.0);

@@ -84,9 +84,9 @@ impl Part {
 
     /// Puts `grain` with the stiffness of its walls into `row`.
     #[inline(always)]
-    pub(super) fn place(&mut self, row: usize, grain: u32, walls: [f32; 3]) {
+    pub(super) fn place(&mut self, row: usize, grain: u32, walls: Block) {
         self.grain[row] = grain;
-        self.diagonal[row] = Block::diagonal(walls);
+        self.diagonal[row] = walls;
     }
 
     /// Takes the contacts of part `k`, which this is.

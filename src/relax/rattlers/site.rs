@@ -8,7 +8,7 @@ use crate::contact::hertz;
 use crate::contact::neighbours::{Neighbours, wall_gap};
 use crate::model::Model;
 use crate::relax::rows::Near;
-use crate::wall::{self, Bounds};
+use crate::wall::Room;
 
 /// Steps of one grain in one sweep.
 const STEPS: u32 = 60;
@@ -34,7 +34,7 @@ pub(super) struct Site<'a> {
     pub(super) neighbours: &'a Neighbours,
     /// Its neighbours.
     pub(super) near: &'a [Near],
-    pub(super) bounds: &'a Bounds,
+    pub(super) bounds: &'a Room,
     pub(super) grain: usize,
     /// Whether its weight matters.
     pub(super) heavy: bool,
@@ -106,9 +106,9 @@ impl Site<'_> {
             let wall = usize::from(wall);
             let overlap = reach - wall_gap(at, wall, self.bounds);
             if overlap > 0.0 {
-                let mut normal = Vec3::zeros();
-                normal[wall::axis(wall)] = wall::inward(wall);
-                local.push(self.neighbours.wall_modulus[self.grain], overlap, normal, 0.0);
+                let normal = self.bounds.normal(at, wall);
+                let modulus = self.neighbours.wall_modulus(self.grain, wall);
+                local.push(modulus, overlap, normal, 0.0);
             }
         }
         if self.heavy {

@@ -67,7 +67,8 @@ impl<'a> Hessian<'a> {
             for (wall, reach) in neighbours.walls_near(model, i) {
                 let overlap = reach - wall_gap(&position[i], usize::from(wall), bounds);
                 if overlap > 0.0 {
-                    let stiffness = hertz::stiffness(neighbours.wall_modulus[i], overlap);
+                    let stiffness =
+                        hertz::stiffness(neighbours.wall_modulus(i, usize::from(wall)), overlap);
                     sides.push(Side { grain: i as u32, wall, stiffness });
                 }
             }

@@ -9,10 +9,10 @@ use crate::contact::neighbours::{Neighbours, wall_gap};
 use crate::model::{Friction, Model};
 use crate::pack::Layer;
 use crate::relax::tangential::Reference;
-use crate::relax::tangential::held::{Held, Pair, wall_normal};
+use crate::relax::tangential::held::{Held, Pair};
 use crate::scene::Law;
 use crate::state::{Bond, Remembered, State};
-use crate::wall::Bounds;
+use crate::wall::Room;
 
 /// A pair of bodies that press on each other.
 struct Pressing {
@@ -29,7 +29,7 @@ struct Begin<'a> {
     model: &'a Model,
     friction: &'a Friction,
     state: &'a State,
-    bounds: Bounds,
+    bounds: Room,
     lenient: bool,
     memory: Peekable<Iter<'a, Remembered>>,
     /// Layers of the contacts that `memory` is past.
@@ -86,7 +86,7 @@ impl Reference {
                             first,
                             second: Other::Wall(w),
                             branch: *at,
-                            normal: wall_normal(w),
+                            normal: bounds.normal(at, usize::from(w)),
                             overlap: reach - gap,
                             unstressed: model.radius[i] - reach,
                         },

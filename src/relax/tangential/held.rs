@@ -11,7 +11,7 @@ use crate::relax::tangential::turn::{Turn, turned_into_plane};
 use crate::relax::tangential::{Pull, Traction};
 use crate::scene::Law;
 use crate::state::{Remembered, State};
-use crate::wall::{self, Bounds};
+use crate::wall::{Facing, Room};
 
 /// A contact at the reference configuration. What every evaluation needs comes first.
 #[derive(Clone, Copy, Debug)]
@@ -132,7 +132,7 @@ pub(in crate::relax) struct Pose<'a> {
     pub(in crate::relax) model: &'a Model,
     pub(in crate::relax) position: &'a [Vec3],
     pub(in crate::relax) rotation: &'a [Vec3],
-    pub(in crate::relax) bounds: &'a Bounds,
+    pub(in crate::relax) bounds: &'a Room,
 }
 
 /// Constants of a pair of bodies in shear.
@@ -158,8 +158,8 @@ impl Pair {
                     friction.torsion_compliance[j],
                 )
             }
-            Other::Wall(_) => (
-                model.radius[i],
+            Other::Wall(w) => (
+                model.wall_radius(i, usize::from(w)),
                 model.wall_compliance,
                 friction.wall_shear_compliance,
                 friction.wall_torsion_compliance,
@@ -188,13 +188,6 @@ pub(super) enum Midway {
     No,
     /// The mean of the reference and that of the limit: a path there and back then closes.
     Yes,
-}
-
-/// The inward normal of wall `w`.
-pub(super) fn wall_normal(w: u8) -> Vec3 {
-    let mut normal = Vec3::zeros();
-    normal[wall::axis(usize::from(w))] = wall::inward(usize::from(w));
-    normal
 }
 
 impl Held {
@@ -328,9 +321,10 @@ impl Held {
             }
             Other::Wall(w) => {
                 // The contact is at the wall, which is as far as the other end (3.3b).
-                let gap = wall_gap(&xi, usize::from(w), at.bounds).max(f64::MIN_POSITIVE);
+                let Facing { gap, normal, .. } = at.bounds.facing(&xi, usize::from(w));
+                let gap = gap.max(f64::MIN_POSITIVE);
                 Ends {
-                    branch: wall_normal(w) * gap,
+                    branch: normal * gap,
                     offset: gap * gap,
                     moved: xi - self.branch,
                     turned: [turned(i), Vec3::zeros()],

@@ -12,7 +12,7 @@ use crate::model::Model;
 use crate::relax::servo::Drive;
 use crate::relax::tangential::{Deformation, Spring};
 use crate::state::State;
-use crate::wall::{self, Bounds};
+use crate::wall::{self, Room};
 
 /// Springs that one task answers for; the bits do not depend on it.
 const CHUNK: usize = 256;
@@ -59,7 +59,7 @@ pub(super) struct Walls<'a> {
     /// Inward motion of the others \[m\].
     pub(super) moved: [f64; wall::COUNT],
     /// The box at the reference.
-    pub(super) bounds: &'a Bounds,
+    pub(super) bounds: &'a Room,
 }
 
 impl Walls<'_> {
@@ -102,7 +102,12 @@ impl Network {
             for (w, reach) in near.walls_near(model, i) {
                 let overlap = reach - wall_gap(&at, usize::from(w), &bounds);
                 if overlap > 0.0 {
-                    add(Other::Wall(w), inward_normal(w), near.wall_modulus[i], overlap);
+                    add(
+                        Other::Wall(w),
+                        inward_normal(w),
+                        near.wall_modulus(i, usize::from(w)),
+                        overlap,
+                    );
                 }
             }
         }
