@@ -13,17 +13,19 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use graintwin::bench::{self, Job, Reference, Row, Timing};
-use graintwin::command::{Command, Disposition};
+use graintwin::command::{Ask, Command, Disposition, Mode, Stamp};
 use graintwin::pack::{self, Pack};
-use graintwin::path;
 use graintwin::report::Demand;
-use graintwin::scene::{self, Method, Scene, Step};
+use graintwin::scene::{self, Method, Scene};
 use graintwin::twin::Twin;
+use graintwin::wall::WallTarget;
 
 /// Grains and increments, and the axial strain at the end.
 const GRAINS: usize = 1000;
 const INCREMENTS: u32 = 1000;
 const AXIAL_STRAIN: f64 = 0.04;
+/// σ3 \[Pa\].
+const LATERAL_STRESS: f64 = 1e5;
 /// Increments of the work-precision table.
 const FIRST: usize = 5;
 /// Seconds after which a row of the table ends with the increment at hand.
@@ -34,21 +36,29 @@ fn main() {
     let mut loaded = scene::load(&file).expect("it is shipped");
     let made = loaded.scene.pack.generate.as_mut().expect("its pack is made");
     made.grains = GRAINS;
-    for step in &mut loaded.scene.load_path.0 {
-        if let Step::Triaxial(triaxial) = step {
-            (triaxial.axial_strain, triaxial.increments) = (Some(AXIAL_STRAIN), INCREMENTS);
-        }
-    }
     let start = Instant::now();
     let pack = pack::build(&loaded).expect("the shipped scene makes its pack");
     println!("{GRAINS} discs of grading A made in {:.2} s", start.elapsed().as_secs_f64());
-    let commands =
-        path::commands_of(&loaded.scene, loaded.folder(), &pack.bounds).expect("the path is right");
+    let commands: Vec<Command> = (1..=INCREMENTS).map(|k| command(&pack, k)).collect();
     first_increments(&loaded.scene, &pack, &commands[..FIRST]);
     println!("\nthe whole test: {INCREMENTS} increments to an axial strain of {AXIAL_STRAIN}");
     println!("tolerance  applied   time s  Newton steps  balances  factorisations  peak σ1/σ3");
     for tolerance in [1e-4, 1e-6, 1e-8] {
         whole(&loaded.scene, &pack, &commands, tolerance);
+    }
+}
+
+/// Both platens closer by the k-th part of the way, the sides under the stress of the pack.
+fn command(pack: &Pack, k: u32) -> Command {
+    let way = 0.5 * AXIAL_STRAIN * pack.bounds.sides()[1] * f64::from(k) / f64::from(INCREMENTS);
+    let [side, platen] = [WallTarget::Stress(LATERAL_STRESS), WallTarget::Displacement(way)];
+    Command {
+        stamp: Stamp::default(),
+        session: "biaxial".into(),
+        sequence: u64::from(k),
+        mode: Mode::Absolute,
+        ask: Ask::Targets([side, side, platen, platen, WallTarget::Keep, WallTarget::Keep]),
+        age: None,
     }
 }
 

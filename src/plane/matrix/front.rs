@@ -115,12 +115,11 @@ impl Fronts {
             }
             for entry in &self.entries[front.entries[0] as usize..front.entries[1] as usize] {
                 let block = &pairs[entry.pair as usize];
+                let mut at = entry.column as usize * m + entry.row as usize;
                 for a in 0..FREEDOMS {
-                    let at = (entry.column as usize + a) * m + entry.row as usize;
-                    for b in 0..FREEDOMS {
-                        let value = if entry.turned { block[a][b] } else { block[b][a] };
-                        dense[at + b] += value;
-                    }
+                    let column = if entry.turned { block[a] } else { block.map(|row| row[a]) };
+                    dense[at..at + FREEDOMS].iter_mut().zip(column).for_each(|(to, x)| *to += x);
+                    at += m;
                 }
             }
             let mut first = front.places as usize;
