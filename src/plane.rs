@@ -8,8 +8,10 @@
 //! [`advance`](advance::advance) moves the walls in sub-increments. Each begins where the contacts are
 //! ([`mod@reference`]): their shear counts from there, with the stiffness and the limit of that normal force
 //! ([`law`]), and so has a potential. `newton` finds its minimum over the grains and the walls that
-//! carry loads, with the exact derivative of the balance ([`balance`]) factorised directly ([`matrix`]).
+//! carry loads, with the balance of forces ([`balance`]) of all contacts ([`act`]) and its exact derivative
+//! ([`slope`]), factorised directly ([`matrix`]).
 
+pub mod act;
 pub mod advance;
 pub mod balance;
 pub mod boundary;
@@ -21,14 +23,17 @@ mod floating;
 mod gauss_seidel;
 pub mod glue;
 pub mod law;
+mod line;
 mod loads;
 pub mod matrix;
 pub mod membrane;
 mod newton;
 mod outline;
+pub mod pose;
 pub mod pressed;
 pub mod reference;
 pub mod setup;
+pub mod slope;
 mod work;
 
 pub use cell::Cell;

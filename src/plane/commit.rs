@@ -1,6 +1,6 @@
 //! The end of an increment: what the contacts remember, and where the energy of shear went.
 
-use super::balance::Scenery;
+use super::act::{Act, Scenery};
 use super::law;
 use super::reference::Joint;
 use super::work::Workspace;
@@ -23,17 +23,7 @@ pub(super) fn commit(model: &Model, state: &mut State, work: &mut Workspace) -> 
     let mut ledger = Ledger { stored: 0.0, ..state.friction };
     let mut had = 0.0;
     {
-        let (carries, goes_on) = (&state.carries, false);
-        let scenery = Scenery {
-            model,
-            setup,
-            reference,
-            bodies,
-            membranes,
-            carries,
-            glued: &state.glued,
-            goes_on,
-        };
+        let scenery = Scenery::of(model, setup, state, (reference, bodies, membranes));
         let pairs = reference.pairs.iter().map(|joint| (joint, scenery.pair(joint, pose)));
         let edges = reference.edges.iter().map(|joint| (joint, scenery.edge(joint, pose)));
         for (joint, act) in pairs.chain(edges) {
@@ -90,7 +80,7 @@ pub(super) fn keep(state: &mut State, work: &Workspace) -> Changes {
 }
 
 /// How far the shear is from what the present normal force allows \[N\].
-fn excess(model: &Model, joint: &Joint, act: &super::balance::Act) -> f64 {
+fn excess(model: &Model, joint: &Joint, act: &Act) -> f64 {
     let Some(friction) = &model.friction else { return 0.0 };
     if joint.bonded {
         return 0.0;

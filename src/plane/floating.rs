@@ -1,7 +1,7 @@
 //! Grains that cannot carry load: they are kept where they are and left out of the balance, until what
 //! moves around them leaves them no room.
 
-use super::balance::Pose;
+use super::pose::Pose;
 use super::reference::Joint;
 use super::work::Workspace;
 use super::{Vec2, glue};

@@ -2,12 +2,14 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::act::{Act, Scenery};
 use super::advance;
-use super::balance::{Act, Balance, Scenery, own_block};
+use super::balance::Balance;
 use super::boundary::{self, SIDES};
 use super::floating;
 use super::matrix::FREEDOMS;
 use super::newton::{self, residual};
+use super::slope::own_block;
 use super::work::Workspace;
 use crate::contact::Other;
 use crate::contact::neighbours::Neighbours;
@@ -153,16 +155,7 @@ fn sweep(model: &Model, state: &State, work: &mut Workspace, adjacency: &Adjacen
         let mut force = Vector3::zeros();
         let mut slope = Matrix3::zeros();
         {
-            let scenery = Scenery {
-                model,
-                setup,
-                reference,
-                bodies,
-                membranes,
-                carries: &state.carries,
-                glued: &state.glued,
-                goes_on: false,
-            };
+            let scenery = Scenery::of(model, setup, state, (reference, bodies, membranes));
             for &k in adjacency.row(i) {
                 let k = k as usize;
                 let (joint, act): (_, Option<Act>) = match reference.pairs.get(k) {
@@ -221,17 +214,7 @@ fn yield_to_loads(model: &Model, state: &mut State, work: &mut Workspace) {
     }
     let Some(setup) = &model.plane else { return };
     let Workspace { reference, bodies, membranes, pose, balance, drives, .. } = work;
-    let (carries, goes_on) = (&state.carries, false);
-    let scenery = Scenery {
-        model,
-        setup,
-        reference,
-        bodies,
-        membranes,
-        carries,
-        glued: &state.glued,
-        goes_on,
-    };
+    let scenery = Scenery::of(model, setup, state, (reference, bodies, membranes));
     let mut pressed = [0.0; SIDES];
     let mut stiffness = [0.0; SIDES];
     for joint in &reference.edges {

@@ -4,11 +4,14 @@
 //! grains, and between them and any wall, nothing is computed.
 
 use super::Vec2;
-use super::balance::{Balance, Pose, Scenery, Slope};
+use super::act::Scenery;
+use super::balance::Balance;
 use super::boundary::Body;
 use super::left_of;
 use super::matrix::FREEDOMS;
+use super::pose::Pose;
 use super::reference::{Joint, Reference};
+use super::slope::Slope;
 use crate::Vec3;
 use crate::contact::Other;
 use crate::measure::contacts::Contact;

@@ -5,9 +5,9 @@
 //! as the grains of the outline are the same, which they are until the next reference. The outline goes
 //! straight on to the sides at its ends, which do not feel it.
 
-use super::balance::Pose;
 use super::matrix::{Block, FREEDOMS};
 use super::outline::{Course, Finder, Pack};
+use super::pose::Pose;
 use super::{Cell, Vec2, left_of};
 use crate::model::Model;
 use crate::state::State;

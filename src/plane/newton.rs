@@ -10,18 +10,19 @@
 //!
 //! Where H is not positive definite the pack is on its way to another minimum. Then what is positive in it
 //! takes its place for a few steps: without the parts by which contacts push their grains aside every
-//! step goes downhill. Each is cut to a length with which grains cannot jump over each other (B 2.4,
-//! "truncate").
+//! step goes downhill. How far is looked for along it ([`line`]).
 
 use nalgebra::{SMatrix, SVector};
 
-use super::balance::{Balance, Pose, Scenery};
+use super::act::Scenery;
+use super::balance::Balance;
 use super::boundary::{self, SIDES};
+use super::line::{self, dot, longest};
 use super::matrix::FREEDOMS;
 use super::membrane::Membrane;
 use super::reference::Joint;
 use super::work::{Drive, Workspace};
-use super::{DRIVES, Vec2, floating, glue};
+use super::{DRIVES, floating, glue};
 use crate::contact::Other;
 use crate::contact::neighbours::Neighbours;
 use crate::heap;
@@ -30,9 +31,6 @@ use crate::relax::{Outcome, Status};
 use crate::state::State;
 use crate::wall;
 
-/// Longest step of a grain over the mean radius, and largest strain of a drive.
-const LONGEST: f64 = 0.05;
-const LARGEST_STRAIN: f64 = 0.01;
 /// Shift over the mean stiffness that is always there, so that grains which nothing holds on one side
 /// stay where they are; its growth, and the largest.
 const LEAST_SHIFT: f64 = 1e-7;
@@ -42,12 +40,6 @@ const MOST_SHIFT: f64 = 1e3;
 /// positive.
 const CONVEX_SHIFT: f64 = 100.0;
 const WAIT: u32 = 3;
-/// Share of the first slope along a step that may be left where it ends.
-const FLAT: f64 = 0.5;
-/// Most configurations that are looked at along one step.
-const LOOKS: u32 = 25;
-/// Share of the force that a whole step leaves where grains are released, 1 / 3^(3/2), give or take.
-const RELEASED: std::ops::Range<f64> = 0.185..0.2;
 /// Steps before a relaxation is given up, where the scene does not say: from grains that hardly touch to a
 /// dense pack without friction takes some hundreds.
 const MOST_STEPS: u32 = 5000;
@@ -64,16 +56,16 @@ const PATIENCE: u32 = 30;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Search {
     /// Step of the grains, three numbers each.
-    step: Vec<f64>,
+    pub(super) step: Vec<f64>,
     /// H⁻¹ g.
     newton: Vec<f64>,
     /// Where each drive takes the grains: X, three numbers a grain.
-    carried: [Vec<f64>; DRIVES],
+    pub(super) carried: [Vec<f64>; DRIVES],
     /// C of each drive, and H⁻¹ C.
     column: [Vec<f64>; DRIVES],
     response: [Vec<f64>; DRIVES],
     /// Way of each drive \[m\].
-    way: [f64; DRIVES],
+    pub(super) way: [f64; DRIVES],
     /// Whether the step at hand is that of the convex part, and for how many steps more that is taken.
     convex: bool,
     waits: u32,
@@ -93,12 +85,6 @@ impl Search {
 /// Largest force that a grain is out of balance by \[N\].
 pub(super) fn largest(balance: &Balance) -> f64 {
     longest(&balance.gradient)
-}
-
-/// Longest of the grains' vectors, or of their turns, of three numbers a grain.
-fn longest(of: &[f64]) -> f64 {
-    let square = |v: &[f64]| (v[0] * v[0] + v[1] * v[1]).max(v[2] * v[2]);
-    of.chunks_exact(FREEDOMS).map(square).fold(0.0, f64::max).sqrt()
 }
 
 /// What residuals are measured in \[N\]: the mean contact force, or what a load makes of it where
@@ -200,7 +186,7 @@ pub(super) fn relax(
         if iteration == most {
             break;
         }
-        if !step(model, state, work, near, outcome.residual) || !go(model, state, work) {
+        if !step(model, state, work, near, outcome.residual) || !line::go(model, state, work) {
             outcome.status = Status::Unstable;
             return outcome;
         }
@@ -294,22 +280,8 @@ pub(super) fn assemble(
 ) {
     let Some(setup) = &model.plane else { return };
     let Workspace { reference, bodies, membranes, slope, pose, search, .. } = work;
-    let carries = &state.carries;
-    let convex = search.convex;
-    slope.assemble(
-        &Scenery {
-            model,
-            setup,
-            reference,
-            bodies,
-            membranes,
-            carries,
-            glued: &state.glued,
-            goes_on,
-        },
-        pose,
-        convex,
-    );
+    let scenery = Scenery::of(model, setup, state, (reference, bodies, membranes));
+    slope.assemble(&Scenery { goes_on, ..scenery }, pose, search.convex);
     if work.lacks_pairs() {
         work.couple(near);
     }
@@ -389,156 +361,22 @@ pub(super) fn solve(state: &State, work: &mut Workspace, shift: f64) -> bool {
     true
 }
 
-/// Goes along the step as far as it goes down. Says whether it went anywhere.
-fn go(model: &Model, state: &mut State, work: &mut Workspace) -> bool {
-    let factor = longest_share(model, state, work);
-    let first = slope_along(work, &work.balance);
-    if first >= 0.0 {
-        // Rounding: nothing is left to gain.
-        return first == 0.0 || largest(&work.balance) <= 1e-6 * unit_force(model, work);
-    }
-    let (mut low, mut high) = (0.0, f64::INFINITY);
-    let (mut low_slope, mut share) = (first, factor);
-    for _ in 0..LOOKS {
-        try_share(model, state, work, share);
-        let slope = slope_along(work, &work.trial_balance);
-        if slope.abs() <= FLAT * first.abs() || (slope < 0.0 && high.is_infinite()) {
-            break;
-        }
-        if slope.is_nan() || slope > 0.0 {
-            high = share;
-        } else {
-            (low, low_slope) = (share, slope);
-        }
-        let wide = high - low;
-        // Where a straight line between both ends would be flat, but not too close to either.
-        let secant = low + wide * low_slope / (low_slope - slope);
-        share = match slope.is_finite() && slope > 0.0 {
-            true => secant.clamp(low + 0.05 * wide, low + 0.95 * wide),
-            false => low + 0.5 * wide,
-        };
-    }
-    if share == 1.0 {
-        release(model, state, work);
-    }
-    std::mem::swap(&mut work.pose, &mut work.trial);
-    std::mem::swap(&mut work.balance, &mut work.trial_balance);
-    state.displacement = work.trial_displacement;
-    true
-}
-
-/// Goes further where the last grains out of balance are about to lose their contacts. As forces of Hertz
-/// go with the power 3/2 of overlaps, whole steps leave a third of each, and half as much again leaves
-/// nothing.
-fn release(model: &Model, state: &State, work: &mut Workspace) {
-    let [before, after] = [&work.balance, &work.trial_balance].map(largest);
-    if !RELEASED.contains(&(after / before)) {
-        return;
-    }
-    try_share(model, state, work, 1.5);
-    if largest(&work.trial_balance).is_nan() || largest(&work.trial_balance) > after {
-        try_share(model, state, work, 1.0);
-    }
-}
-
-/// Share of the step that is not too long.
-fn longest_share(model: &Model, state: &State, work: &Workspace) -> f64 {
-    let step = longest(&work.search.step);
-    let sides = state.bounds(model).sides();
-    let strain = |(drive, way): (&Drive, &f64)| {
-        let along = |side: usize| (drive.shares[side] * way).abs() / sides[wall::axis(side)];
-        (0..SIDES).map(along).fold(0.0, f64::max)
-    };
-    let strain = work.drives.iter().zip(&work.search.way).map(strain).fold(0.0, f64::max);
-    let share = |length: f64, most: f64| if length > most { most / length } else { 1.0 };
-    share(step, LONGEST * model.mean_radius).min(share(strain, LARGEST_STRAIN))
-}
-
-/// Slope of the potential along the step at `balance` \[J\].
-fn slope_along(work: &Workspace, balance: &Balance) -> f64 {
-    let unbalance = work.unbalance(balance);
-    let mut slope = dot(&work.search.step, &balance.gradient);
-    let drives = work.search.carried.iter().zip(&work.search.way).zip(unbalance);
-    for ((carried, way), unbalance) in drives.take(work.drives.len()) {
-        slope += way * (unbalance + dot(carried, &balance.gradient));
-    }
-    slope
-}
-
-/// Takes the balance after `share` of the step into the trial.
-fn try_share(model: &Model, state: &State, work: &mut Workspace, share: f64) {
-    let Some(setup) = &model.plane else { return };
-    let Workspace { pose, trial, search, drives, .. } = work;
-    advance(model, pose, search, share, drives.len(), trial);
-    work.trial_displacement = state.displacement;
-    for (drive, way) in work.drives.iter().zip(&work.search.way) {
-        for (to, part) in work.trial_displacement.iter_mut().zip(drive.shares) {
-            *to += share * way * part;
-        }
-    }
-    boundary::bodies(model, &work.trial_displacement, state.tilt, &mut work.bodies);
-    let Workspace { reference, bodies, membranes, trial, balance, trial_balance, .. } = work;
-    trial_balance.faint = balance.faint;
-    let (carries, goes_on) = (&state.carries, false);
-    let scenery = Scenery {
-        model,
-        setup,
-        reference,
-        bodies,
-        membranes,
-        carries,
-        glued: &state.glued,
-        goes_on,
-    };
-    trial_balance.evaluate(&scenery, trial);
-}
-
-fn advance(model: &Model, from: &Pose, search: &Search, share: f64, drives: usize, to: &mut Pose) {
-    to.copy_from(from);
-    for (i, (at, turn)) in to.at.iter_mut().zip(&mut to.turn).enumerate() {
-        let own = FREEDOMS * i;
-        let mut way = Vec2::new(search.step[own], search.step[own + 1]);
-        for k in 0..drives {
-            let x = &search.carried[k];
-            way += Vec2::new(x[own], x[own + 1]) * search.way[k];
-        }
-        *at += way * share;
-        *turn += share * search.step[own + 2] / model.radius[i];
-    }
-}
-
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
 /// Takes a first step from the pose, where the walls have just taken the grains along, as if every
 /// contact went on as in the last increment: what stuck sticks, what slid slides.
 pub(super) fn predict(model: &Model, state: &mut State, work: &mut Workspace, near: &Neighbours) {
     let Some(setup) = &model.plane else { return };
     boundary::bodies(model, &state.displacement, state.tilt, &mut work.bodies);
     let Workspace { reference, bodies, membranes, balance, pose, .. } = work;
-    let (carries, goes_on) = (&state.carries, true);
-    balance.evaluate(
-        &Scenery {
-            model,
-            setup,
-            reference,
-            bodies,
-            membranes,
-            carries,
-            glued: &state.glued,
-            goes_on,
-        },
-        pose,
-    );
+    let scenery = Scenery::of(model, setup, state, (reference, bodies, membranes));
+    balance.evaluate(&Scenery { goes_on: true, ..scenery }, pose);
     work.search.convex = false;
     assemble(model, state, work, near, true);
     let shift = LEAST_SHIFT * stiffness(work);
     if !work.slope.matrix.factorise(shift) || !solve(state, work, shift) {
         return;
     }
-    let factor = longest_share(model, state, work);
-    try_share(model, state, work, factor);
+    let share = line::longest_share(model, state, work);
+    line::try_share(model, state, work, share);
     std::mem::swap(&mut work.pose, &mut work.trial);
     state.displacement = work.trial_displacement;
 }

@@ -1,13 +1,16 @@
 //! Scratch of the relaxation in the plane.
 
-use super::balance::{Balance, Pose, Scenery, Slope};
+use super::act::Scenery;
+use super::balance::Balance;
 use super::boundary::{self, Body, SIDES};
 use super::floating::Floating;
 use super::gauss_seidel::Adjacency;
 use super::membrane::{self, Membrane};
 use super::newton::Search;
 use super::outline::Finder;
+use super::pose::Pose;
 use super::reference::{Joint, Reference};
+use super::slope::Slope;
 use super::{DRIVES, Law, Vec2};
 use crate::contact::neighbours::Neighbours;
 use crate::contact::{Other, hertz};
@@ -196,9 +199,7 @@ impl Workspace {
         let Some(setup) = &model.plane else { return };
         boundary::bodies(model, &state.displacement, state.tilt, &mut self.bodies);
         let Self { reference, bodies, membranes, balance, pose, .. } = self;
-        let (carries, glued, goes_on) = (&state.carries, &state.glued, false);
-        let scenery =
-            Scenery { model, setup, reference, bodies, membranes, carries, glued, goes_on };
+        let scenery = Scenery::of(model, setup, state, (reference, bodies, membranes));
         balance.evaluate(&scenery, pose);
     }
 

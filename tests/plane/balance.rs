@@ -1,8 +1,11 @@
 //! The balance of discs against energies, closed forms and other methods.
 
-use graintwin::plane::balance::{Balance, Pose, Scenery, Slope};
+use graintwin::plane::act::Scenery;
+use graintwin::plane::balance::Balance;
 use graintwin::plane::boundary::{self, SIDES};
+use graintwin::plane::pose::Pose;
 use graintwin::plane::reference::Reference;
+use graintwin::plane::slope::Slope;
 use graintwin::{
     contact::neighbours::Neighbours, model::Model, pack::Pack, scene::Scene, state::State,
 };
