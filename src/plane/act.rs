@@ -10,8 +10,9 @@ use crate::contact::Other;
 use crate::model::Model;
 use crate::state::State;
 
-/// Tangent of an angle below which its series is exact.
+/// Tangents of an angle below which its series is exact, and its first three terms.
 const SMALL: f64 = 0.05;
+const TINY: f64 = 2e-3;
 
 /// What one contact does.
 #[derive(Clone, Copy, Debug)]
@@ -184,12 +185,34 @@ impl<'a> Scenery<'a> {
 #[inline]
 fn angle(from: &Vec2, to: &Vec2) -> f64 {
     let (across, along) = (from.perp(to), from.dot(to));
-    if across.abs() >= SMALL * along {
-        return across.atan2(along);
-    }
     // The series of the arc tangent, exact to the last bits here and much faster.
     let x = across / along;
     let square = x * x;
+    if across.abs() < TINY * along {
+        return x * (1.0 - square * (1.0 / 3.0 - square * (1.0 / 5.0)));
+    }
+    if across.abs() >= SMALL * along {
+        return across.atan2(along);
+    }
     let rest = 1.0 / 7.0 - square * (1.0 / 9.0 - square * (1.0 / 11.0 - square / 13.0));
     x * (1.0 - square * (1.0 / 3.0 - square * (1.0 / 5.0 - square * rest)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_are_exact_on_both_sides_of_every_switch() {
+        let from = Vec2::new(0.6, -0.8);
+        for size in [0.0, 1e-9, 1.9e-3, 2.1e-3, 0.049, 0.051, 1.0, 3.0_f64] {
+            for want in [size, -size] {
+                let to = nalgebra::Rotation2::new(want) * from;
+                assert!(
+                    (angle(&from, &to) - want).abs() <= 4.0 * f64::EPSILON * size.max(0.3),
+                    "{want}"
+                );
+            }
+        }
+    }
 }

@@ -88,7 +88,8 @@ pub(super) fn with_bodies(
         contact.slides = slips
             && model.friction.as_ref().is_some_and(|friction| {
                 let limit = friction.between(contact.first, contact.second) * contact.force;
-                contact.shear.norm() >= (1.0 - AT_LIMIT) * limit
+                // Nothing slides on a smooth wall that carries no shear.
+                limit > 0.0 && contact.shear.norm() >= (1.0 - AT_LIMIT) * limit
             });
     }
     glue::hold(model, state, &mut list);

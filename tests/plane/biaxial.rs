@@ -1,5 +1,7 @@
 //! The biaxial test on dense sand, in small: what B 3.2 finds of 1000 grains.
 
+use graintwin::report::ContactState;
+
 use crate::discs::*;
 
 #[test]
@@ -31,4 +33,21 @@ fn dense_sand_contracts_dilates_and_fails_as_in_the_thesis() {
     assert!(least > 5e-4 && volume < -5e-3, "{least} {volume}");
     assert!((3.0..3.6).contains(&last.coordination_number), "{}", last.coordination_number);
     assert!(last.slip_energy > 0.0 && last.sliding_ratio > 0.05);
+}
+
+#[test]
+fn nothing_slides_on_walls_without_friction() {
+    let pack = dense(8, 12, 3, 1e5, 0.6);
+    let (mut rig, _) = Rig::new(&sand("0.6"), &pack);
+    let mut sliding = [0; 2];
+    for k in 1..=20 {
+        let measures = rig.biaxial(1e5, 1e-4 * f64::from(k) * pack.bounds.sides()[1]);
+        let network = measures.network.unwrap();
+        for (second, state) in network.second.iter().zip(&network.state) {
+            let wall = usize::from(*second as usize >= pack.grains.len());
+            sliding[wall] += u32::from(*state == ContactState::Slide as u8);
+        }
+    }
+    let [between_grains, on_walls] = sliding;
+    assert!(between_grains > 100 && on_walls == 0, "{sliding:?}");
 }
