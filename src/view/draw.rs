@@ -95,8 +95,14 @@ fn legend(svg: &mut Svg, chart: &Chart, [left, top]: [f64; 2], room: f64) -> f64
     end
 }
 
-/// Fits both axes between the corners; `None` when there is no point.
-fn frame(chart: &Chart, [left, top]: [f64; 2], [right, bottom]: [f64; 2]) -> Option<Frame> {
+/// Height of a plane over its width; `None` when there is no point.
+pub(super) fn flatness(chart: &Chart) -> Option<f64> {
+    let [x, y] = scales(chart)?;
+    Some(y.span() / x.span())
+}
+
+/// The scales of both axes; `None` when there is no point.
+fn scales(chart: &Chart) -> Option<[Scale; 2]> {
     let coordinate = |which: usize| {
         let points = chart.shown().flat_map(|series| chart.pieces(series)).flatten();
         points.map(move |point| point[which])
@@ -107,6 +113,12 @@ fn frame(chart: &Chart, [left, top]: [f64; 2], [right, bottom]: [f64; 2]) -> Opt
     };
     let y = Scale::fit(&chart.y, coordinate(1).chain(spread()), 5)?;
     let x = Scale::fit(&chart.x, coordinate(0), 6)?;
+    Some([x, y])
+}
+
+/// Fits both axes between the corners; `None` when there is no point.
+fn frame(chart: &Chart, [left, top]: [f64; 2], [right, bottom]: [f64; 2]) -> Option<Frame> {
+    let [x, y] = scales(chart)?;
     let widest = y.ticks.labels.iter().map(|label| width(label, LABEL)).fold(0.0, f64::max);
     let mut frame = Frame {
         left: left + widest + 40.0,

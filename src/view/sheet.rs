@@ -1,7 +1,7 @@
 //! Charts on a white card.
 
 use super::chart::Chart;
-use super::draw::draw;
+use super::draw::{draw, flatness};
 use super::layout::{NOTE, shortened, wrapped};
 use super::scale::Kind;
 use super::svg::{Anchor, Svg};
@@ -20,8 +20,11 @@ pub struct Sheet {
 /// Size of one chart \[pixels\].
 const CHART: [f64; 2] = [560.0, 380.0];
 
-/// Size of one chart where all are planes \[pixels\].
-const PLANE: [f64; 2] = [560.0, 640.0];
+/// Width of one chart where all are planes, its lowest and largest height, and what of width and height is
+/// beside and below the plane \[pixels\].
+const PLANE: f64 = 560.0;
+const PLANE_HEIGHTS: (f64, f64) = (280.0, 640.0);
+const BESIDE: [f64; 2] = [100.0, 140.0];
 
 /// Size of a chart that is alone \[pixels\].
 const ALONE: [f64; 2] = [720.0, 440.0];
@@ -60,7 +63,7 @@ impl Sheet {
         let plane = |chart: &Chart| chart.x.kind == Kind::Plane;
         let chart = match columns {
             1 => ALONE,
-            _ if self.charts.iter().all(plane) => PLANE,
+            _ if self.charts.iter().all(plane) => [PLANE, self.plane_height()],
             _ => CHART,
         };
         let rows = self.charts.len().div_ceil(columns).max(1);
@@ -85,5 +88,41 @@ impl Sheet {
             draw(&mut svg, which, [x, y], chart);
         }
         svg.document([width, height], &self.title, STYLE)
+    }
+
+    /// Height of each chart where all are planes \[pixels\]: as the tallest of them needs it.
+    fn plane_height(&self) -> f64 {
+        let tallest = self.charts.iter().filter_map(flatness).fold(0.0, f64::max);
+        let height = tallest * (PLANE - BESIDE[0]) + BESIDE[1];
+        height.clamp(PLANE_HEIGHTS.0, PLANE_HEIGHTS.1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::chart::Series;
+    use super::super::scale::Axis;
+    use super::super::unit::Unit;
+    use super::*;
+
+    fn drawn(width: f64, height: f64) -> f64 {
+        let axis = || Axis::plane("x", Unit::Si("m"));
+        let chart = Chart {
+            title: "plane".into(),
+            x: axis(),
+            y: axis(),
+            series: vec![Series::new(0, "", [[0.0, 0.0], [width, height]])],
+            notes: Vec::new(),
+        };
+        let (title, subtitle) = ("scene".into(), String::new());
+        let svg = Sheet { title, subtitle, charts: vec![chart.clone(), chart] }.to_svg();
+        let height = svg.split("height=\"").nth(1).and_then(|rest| rest.split('"').next());
+        height.unwrap().parse().unwrap()
+    }
+
+    #[test]
+    fn flat_planes_take_less_room_than_tall_ones() {
+        let [flat, square, tall] = [(4.0, 1.0), (1.0, 1.0), (1.0, 4.0)].map(|(w, h)| drawn(w, h));
+        assert!(flat + 200.0 < square && square <= tall, "{flat} {square} {tall}");
     }
 }
