@@ -67,6 +67,8 @@ pub fn settle(
             0 => commit::keep(state, work),
             _ => commit::commit(model, state, work),
         };
+        reached.changes.add(work.legs.changes);
+        reached.descents = reached.outcome.descents;
         reached.wall_force_error = newton::wall_force_error(model, state, work);
         reached.jumps.append(&mut work.jumps);
     }
@@ -269,7 +271,8 @@ fn follow(
 fn solve(model: &Model, state: &mut State, work: &mut Workspace, near: &mut Neighbours) -> Outcome {
     work.legs = Legs::default();
     let current = limits_are_current(model);
-    let (mut iterations, mut legs) = (0, 0);
+    // Steps of all relaxations, legs, and steps of the legs of the relaxation at hand.
+    let (mut iterations, mut legs, mut spent) = (0, 0, 0);
     let mut before = Pose::default();
     before.copy(state);
     for at in before.position.iter_mut().zip(&work.pose.at) {
@@ -284,25 +287,26 @@ fn solve(model: &Model, state: &mut State, work: &mut Workspace, near: &mut Neig
             work.evaluate(model, state);
             virial = Some(work.balance.sums.virial.iter().sum());
         }
-        let most = newton::most_steps(model);
-        let flows = model.friction.is_some() && most - iterations > LEG;
-        let mut outcome = match model.solver.method {
-            Method::GaussSeidel => gauss_seidel::relax(model, state, work, near),
-            _ if flows => newton::relax(model, state, work, near, LEG),
-            _ => newton::relax(model, state, work, near, most - iterations),
+        let left = newton::most_steps(model) - spent;
+        let newton = model.solver.method != Method::GaussSeidel;
+        let flows = newton && model.friction.is_some() && left > LEG;
+        let mut outcome = match newton {
+            true => newton::relax(model, state, work, near, if flows { LEG } else { left }),
+            false => gauss_seidel::relax(model, state, work, near),
         };
         concave |= work.search.concave;
         iterations += outcome.iterations;
         (outcome.iterations, outcome.descents) = (iterations, legs);
-        if flows && outcome.status == Status::MaxIterations && model.solver.method == Method::Newton
-        {
+        if flows && outcome.status == Status::MaxIterations {
             legs += 1;
+            spent += LEG;
             flow_on(model, state, work, near);
             continue;
         }
         if !outcome.status.is_equilibrium() {
             return outcome;
         }
+        spent = 0;
         let opened = newton::open(model, state, work);
         let bent = work.follow(model, state);
         let loaded = renew_loads(model, state, work) || bent;
