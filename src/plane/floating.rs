@@ -27,6 +27,8 @@ pub(super) struct Floating {
     back: Vec<bool>,
     /// Joints of floating grains: number among the pairs, or beyond them among the edges.
     joints: Vec<u32>,
+    /// Whether these are those of the grains that float now.
+    listed: bool,
 }
 
 impl Floating {
@@ -34,6 +36,12 @@ impl Floating {
     pub(super) fn begin(&mut self, grains: usize) {
         self.back.clear();
         self.back.resize(grains, false);
+        self.listed = false;
+    }
+
+    /// The joints are others.
+    pub(super) fn relist(&mut self) {
+        self.listed = false;
     }
 
     pub(super) fn heap_bytes(&self) -> usize {
@@ -63,6 +71,7 @@ pub(super) fn drop_loose(model: &Model, state: &mut State, work: &mut Workspace)
             return dropped;
         }
         dropped = true;
+        work.floating.listed = false;
         // Without them others may lack support.
         work.evaluate(model, state);
     }
@@ -75,13 +84,16 @@ pub(super) fn rejoin(model: &Model, state: &mut State, work: &mut Workspace) -> 
         return false;
     }
     let Workspace { reference, bodies, pose, floating, .. } = work;
-    floating.joints.clear();
     let floats = |grain: u32| !state.carries[grain as usize];
     let pairs = reference.pairs.len() as u32;
-    let pairs_float = reference.near.iter().map(|near| near.grains.iter().any(|g| floats(*g)));
-    let edges_float = reference.edges.iter().map(|joint| floats(joint.first));
-    let joints = (0..).zip(pairs_float.chain(edges_float));
-    floating.joints.extend(joints.filter(|(_, floats)| *floats).map(|(k, _)| k));
+    if !floating.listed {
+        let pairs_float = reference.near.iter().map(|near| near.grains.iter().any(|g| floats(*g)));
+        let edges_float = reference.edges.iter().map(|joint| floats(joint.first));
+        let joints = (0..).zip(pairs_float.chain(edges_float));
+        floating.joints.clear();
+        floating.joints.extend(joints.filter(|(_, floats)| *floats).map(|(k, _)| k));
+        floating.listed = true;
+    }
     let joint = |k: u32| match k.checked_sub(pairs) {
         None => &reference.pairs[k as usize],
         Some(k) => &reference.edges[k as usize],
@@ -105,6 +117,9 @@ pub(super) fn rejoin(model: &Model, state: &mut State, work: &mut Workspace) -> 
         let mut free = true;
         for &k in &floating.joints {
             let joint = joint(k);
+            if k < pairs && is_apart(joint, pose) {
+                continue;
+            }
             let (deep, out) = overlap(joint, pose);
             if deep <= 0.0 {
                 continue;
@@ -139,9 +154,17 @@ pub(super) fn rejoin(model: &Model, state: &mut State, work: &mut Workspace) -> 
                     state.carries[grain] = true;
                     floating.back[grain] = true;
                     joined = true;
+                    floating.listed = false;
                 }
             }
         }
     }
     joined
+}
+
+/// Whether two grains are so far apart that they do not touch.
+#[inline]
+fn is_apart(joint: &Joint, pose: &Pose) -> bool {
+    let Other::Grain(j) = joint.second else { return false };
+    (pose.at[joint.first as usize] - pose.at[j as usize]).norm_squared() > joint.reach * joint.reach
 }

@@ -31,26 +31,14 @@ pub(super) fn go(model: &Model, state: &mut State, work: &mut Workspace) -> bool
         // Rounding: nothing is left to gain.
         return first == 0.0 || largest(&work.balance) <= 1e-6 * unit_force(model, work);
     }
-    let (mut low, mut high) = (0.0, f64::INFINITY);
-    let (mut low_slope, mut share) = (first, factor);
+    let (mut share, mut bottom) = (factor, Bottom::between(first));
     for _ in 0..LOOKS {
         try_share(model, state, work, share);
         let slope = slope_along(work, &work.trial_balance);
-        if slope.abs() <= FLAT * first.abs() || (slope < 0.0 && high.is_infinite()) {
+        if slope.abs() <= FLAT * first.abs() || (slope < 0.0 && bottom.high.is_infinite()) {
             break;
         }
-        if slope.is_nan() || slope > 0.0 {
-            high = share;
-        } else {
-            (low, low_slope) = (share, slope);
-        }
-        let wide = high - low;
-        // Where a straight line between both ends would be flat, but not too close to either.
-        let secant = low + wide * low_slope / (low_slope - slope);
-        share = match slope.is_finite() && slope > 0.0 {
-            true => secant.clamp(low + 0.05 * wide, low + 0.95 * wide),
-            false => low + 0.5 * wide,
-        };
+        share = bottom.next(share, slope);
     }
     if share == 1.0 {
         release(model, state, work);
@@ -59,6 +47,51 @@ pub(super) fn go(model: &Model, state: &mut State, work: &mut Workspace) -> bool
     std::mem::swap(&mut work.balance, &mut work.trial_balance);
     state.displacement = work.trial_displacement;
     true
+}
+
+/// Where along a step the potential stops falling.
+struct Bottom {
+    /// It falls here, and rises there.
+    low: f64,
+    high: f64,
+    /// Slopes at both \[J\].
+    low_slope: f64,
+    high_slope: f64,
+    /// How far they were apart when a straight line was last followed.
+    wide: f64,
+}
+
+impl Bottom {
+    fn between(first: f64) -> Self {
+        let far = f64::INFINITY;
+        Self { low: 0.0, high: far, low_slope: first, high_slope: far, wide: far }
+    }
+
+    /// Where to look after a look at `share`, where the slope was `slope`.
+    fn next(&mut self, share: f64, slope: f64) -> f64 {
+        let mut straight = None;
+        if slope < 0.0 {
+            (self.low, self.low_slope) = (share, slope);
+        } else {
+            // Beyond where a contact came to stick the slope is straight: two looks there tell where it
+            // vanishes. With one look there a line between both ends has to do.
+            let (to, at) = match slope < self.high_slope && self.high_slope.is_finite() {
+                true => (self.high, self.high_slope),
+                false => (self.low, self.low_slope),
+            };
+            straight =
+                Some(share - slope * (to - share) / (at - slope)).filter(|at| at.is_finite());
+            (self.high, self.high_slope) = (share, slope);
+        }
+        let wide = self.high - self.low;
+        // Half way where lines have hardly brought the ends together.
+        let helps = wide <= 0.5 * self.wide;
+        self.wide = if helps { wide } else { f64::INFINITY };
+        match straight.filter(|_| helps) {
+            Some(at) => at.clamp(self.low + 0.05 * wide, self.low + 0.95 * wide),
+            None => self.low + 0.5 * wide,
+        }
+    }
 }
 
 /// Goes further where the last grains out of balance are about to lose their contacts. As forces of Hertz

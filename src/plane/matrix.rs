@@ -26,6 +26,8 @@ pub struct Matrix {
     /// Block of each pair (i, j), row of the smaller number and column of the other, in the order of the
     /// list, and of each link.
     pub pairs: Vec<Block>,
+    /// Places in the list of the pairs whose block is not empty, in order.
+    pub filled: Vec<u32>,
     tree: Tree,
     fronts: Fronts,
     /// Factors of all fronts, column by column.
@@ -53,14 +55,25 @@ impl Matrix {
         self.factorised = false;
         self.tree.build(position, start, second, couples, links);
         self.diagonal.resize(position.len(), [[0.0; FREEDOMS]; FREEDOMS]);
+        self.pairs.clear();
         self.pairs.resize(second.len() + links.len(), [[0.0; FREEDOMS]; FREEDOMS]);
+        self.filled.clear();
         self.fronts.lay_out(&self.tree);
     }
 
     /// Empties all entries.
     pub fn clear(&mut self) {
         self.diagonal.fill([[0.0; FREEDOMS]; FREEDOMS]);
-        self.pairs.fill([[0.0; FREEDOMS]; FREEDOMS]);
+        for k in self.filled.drain(..) {
+            self.pairs[k as usize] = [[0.0; FREEDOMS]; FREEDOMS];
+        }
+    }
+
+    /// Fills the block of pair `k`, behind those that are filled.
+    #[inline]
+    pub fn fill(&mut self, k: usize, block: Block) {
+        self.filled.push(k as u32);
+        self.pairs[k] = block;
     }
 
     /// Factorises, with `shift` \[N/m\] added to the diagonal. Says whether the matrix is positive
@@ -78,16 +91,17 @@ impl Matrix {
         self.factorised
     }
 
-    /// Solves in place for a right side of three numbers a grain.
-    pub fn solve(&mut self, right: &mut [f64]) {
+    /// Solves in place for right sides of three numbers a grain.
+    pub fn solve(&mut self, rights: &mut [Vec<f64>]) {
         let Self { tree, fronts, factors, scratch, .. } = self;
-        fronts.solve(tree, factors, right, scratch);
+        fronts.solve(tree, factors, rights, scratch);
     }
 
     /// Memory that its lists hold \[bytes\].
     pub(crate) fn heap_bytes(&self) -> usize {
         heap::bytes(&self.diagonal)
             + heap::bytes(&self.pairs)
+            + heap::bytes(&self.filled)
             + self.fronts.heap_bytes()
             + heap::bytes(&self.factors)
             + heap::bytes(&self.stack)
@@ -138,10 +152,11 @@ mod tests {
                 let row = start[i] as usize..start[i + 1] as usize;
                 for (k, j) in row.clone().zip(&second[row]) {
                     let j = *j as usize;
+                    let block: Block = rng.random();
+                    matrix.fill(k, block);
                     for a in 0..3 {
                         for b in 0..3 {
-                            let x = rng.random::<f64>() - 0.5;
-                            matrix.pairs[k][a][b] = x;
+                            let x = block[a][b];
                             dense[(3 * i + a, 3 * j + b)] = x;
                             dense[(3 * j + b, 3 * i + a)] = x;
                         }
@@ -151,10 +166,12 @@ mod tests {
             let right = DVector::from_fn(3 * n, |_, _| rng.random::<f64>());
             let want = dense.clone().cholesky().unwrap().solve(&right);
             assert!(matrix.factorise(0.5));
-            let mut got = right.as_slice().to_vec();
+            let twice = (2.0 * &right).as_slice().to_vec();
+            let mut got = [right.as_slice().to_vec(), twice];
             matrix.solve(&mut got);
             for k in 0..3 * n {
-                assert!((got[k] - want[k]).abs() < 1e-13, "{n}: {} {}", got[k], want[k]);
+                assert!((got[0][k] - want[k]).abs() < 1e-13, "{n}: {} {}", got[0][k], want[k]);
+                assert_eq!(got[1][k], 2.0 * got[0][k]);
             }
         }
     }

@@ -39,7 +39,7 @@ const MOST_SHIFT: f64 = 1e3;
 /// The same for the convex part, over the least; and steps for which it is taken where the whole is not
 /// positive.
 const CONVEX_SHIFT: f64 = 100.0;
-const WAIT: u32 = 3;
+const WAIT: u32 = 5;
 /// Steps before a relaxation is given up, where the scene does not say: from grains that hardly touch to a
 /// dense pack without friction takes some hundreds.
 const MOST_STEPS: u32 = 5000;
@@ -57,13 +57,12 @@ const PATIENCE: u32 = 30;
 pub(super) struct Search {
     /// Step of the grains, three numbers each.
     pub(super) step: Vec<f64>,
-    /// H⁻¹ g.
-    newton: Vec<f64>,
+    /// H⁻¹ g, and H⁻¹ C of each drive.
+    answers: [Vec<f64>; 1 + DRIVES],
     /// Where each drive takes the grains: X, three numbers a grain.
     pub(super) carried: [Vec<f64>; DRIVES],
-    /// C of each drive, and H⁻¹ C.
+    /// C of each drive.
     column: [Vec<f64>; DRIVES],
-    response: [Vec<f64>; DRIVES],
     /// Way of each drive \[m\].
     pub(super) way: [f64; DRIVES],
     /// Whether the step at hand is that of the convex part, and for how many steps more that is taken.
@@ -77,8 +76,8 @@ pub(super) struct Search {
 
 impl Search {
     pub(super) fn heap_bytes(&self) -> usize {
-        let lists = self.carried.iter().chain(&self.column).chain(&self.response);
-        heap::bytes(&self.step) + heap::bytes(&self.newton) + lists.map(heap::bytes).sum::<usize>()
+        let lists = self.carried.iter().chain(&self.column).chain(&self.answers);
+        heap::bytes(&self.step) + lists.map(heap::bytes).sum::<usize>()
     }
 }
 
@@ -318,23 +317,20 @@ pub(super) fn solve(state: &State, work: &mut Workspace, shift: f64) -> bool {
     let count = work.drives.len();
     let unbalance = work.unbalance(&work.balance);
     let Workspace { slope, search, balance, drives, .. } = work;
-    search.newton.clear();
-    search.newton.extend_from_slice(&balance.gradient);
-    slope.matrix.solve(&mut search.newton);
-    glue::clear(&state.glued, &mut search.newton);
+    let rights = std::iter::once(&balance.gradient).chain(&search.column);
+    for (answer, right) in search.answers.iter_mut().zip(rights).take(1 + count) {
+        answer.clear();
+        answer.extend_from_slice(right);
+        glue::clear(&state.glued, answer);
+    }
+    slope.matrix.solve(&mut search.answers[..=count]);
+    search.answers[..=count].iter_mut().for_each(|answer| glue::clear(&state.glued, answer));
+    let [newton, responses @ ..] = &search.answers;
     let mut stiff = SMatrix::<f64, DRIVES, DRIVES>::identity();
     let mut load = SVector::<f64, DRIVES>::zeros();
     for k in 0..count {
-        let response = &mut search.response[k];
-        response.clear();
-        response.extend_from_slice(&search.column[k]);
-        glue::clear(&state.glued, response);
-        slope.matrix.solve(response);
-        glue::clear(&state.glued, response);
-    }
-    for k in 0..count {
         let (x, c) = (&search.carried[k], &search.column[k]);
-        load[k] = -(unbalance[k] + dot(x, &balance.gradient) - dot(c, &search.newton));
+        load[k] = -(unbalance[k] + dot(x, &balance.gradient) - dot(c, newton));
         for l in 0..count {
             // X·HX + X·C of the drive's own columns is X·C̃; the rest is the walls' own.
             let own: f64 = (0..SIDES)
@@ -345,7 +341,7 @@ pub(super) fn solve(state: &State, work: &mut Workspace, shift: f64) -> bool {
                     cross + a * b * slope.corner[side]
                 })
                 .sum();
-            stiff[(k, l)] = dot(x, &search.column[l]) + own - dot(c, &search.response[l]);
+            stiff[(k, l)] = dot(x, &search.column[l]) + own - dot(c, &responses[l]);
         }
         stiff[(k, k)] += shift;
     }
@@ -353,9 +349,9 @@ pub(super) fn solve(state: &State, work: &mut Workspace, shift: f64) -> bool {
     let way = factors.solve(&load);
     search.way = way.into();
     search.step.clear();
-    search.step.extend(search.newton.iter().map(|v| -v));
+    search.step.extend(newton.iter().map(|v| -v));
     for k in 0..count {
-        let response = search.response[k].iter();
+        let response = responses[k].iter();
         search.step.iter_mut().zip(response).for_each(|(v, z)| *v -= z * way[k]);
     }
     true
@@ -396,11 +392,12 @@ pub(super) fn wall_force_error(model: &Model, state: &State, work: &mut Workspac
     if !slope.matrix.is_factorised() {
         return rounding;
     }
-    search.newton.clear();
-    search.newton.extend_from_slice(&balance.gradient);
-    slope.matrix.solve(&mut search.newton);
-    glue::clear(&state.glued, &mut search.newton);
+    let answer = &mut search.answers[0];
+    answer.clear();
+    answer.extend_from_slice(&balance.gradient);
+    slope.matrix.solve(&mut search.answers[..1]);
+    glue::clear(&state.glued, &mut search.answers[0]);
     glue::add_columns(state, &work.bodies, &work.reference, slope);
-    let change = |column: &Vec<f64>| dot(column, &search.newton).abs();
+    let change = |column: &Vec<f64>| dot(column, &search.answers[0]).abs();
     rounding + slope.columns.iter().map(change).fold(0.0, f64::max)
 }

@@ -54,7 +54,7 @@ impl Slope {
             let [own, mixed, other] = parts.blocks(lever, setup.turns);
             add(&mut self.matrix.diagonal[i], &own);
             add(&mut self.matrix.diagonal[j], &other);
-            self.matrix.pairs[k] = mixed;
+            self.matrix.fill(k, mixed);
         }
         for (joint, slides) in reference.edges.iter().zip(of_edges) {
             let Some(mut act) = scenery.edge(joint, pose) else { continue };
@@ -76,7 +76,8 @@ impl Slope {
             self.corner[side] += corner;
         }
         self.slides = slides;
-        let Matrix { diagonal, pairs, .. } = &mut self.matrix;
+        let Matrix { diagonal, pairs, filled, .. } = &mut self.matrix;
+        filled.extend(reference.pairs.len() as u32..pairs.len() as u32);
         let mut links = &mut pairs[reference.pairs.len()..];
         for membrane in *membranes {
             let (own, rest) = std::mem::take(&mut links).split_at_mut(membrane.links().count());
@@ -216,13 +217,17 @@ impl Slope {
                 }
             }
         }
-        let pairs = reference.pairs.iter().filter_map(|joint| match joint.second {
-            Other::Grain(j) => Some((joint.first, j)),
-            Other::Wall(_) => None,
-        });
-        let links = links.iter().map(|&(i, j)| (i.min(j), i.max(j)));
-        for ((i, j), block) in pairs.chain(links).zip(&self.matrix.pairs) {
-            let (i, j) = (FREEDOMS * i as usize, FREEDOMS * j as usize);
+        for &k in &self.matrix.filled {
+            let k = k as usize;
+            let [i, j] = match reference.near.get(k) {
+                Some(near) => near.grains,
+                None => match links.get(k - reference.near.len()) {
+                    Some(&link) => link.into(),
+                    None => break,
+                },
+            };
+            let (i, j) = (FREEDOMS * i.min(j) as usize, FREEDOMS * i.max(j) as usize);
+            let block = &self.matrix.pairs[k];
             for (a, row) in block.iter().enumerate() {
                 for (b, entry) in row.iter().enumerate() {
                     to[i + a] += entry * of[j + b];

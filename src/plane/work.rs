@@ -158,6 +158,7 @@ impl Workspace {
         keep(&before.edges, &mut self.reference.edges);
         self.reference.list();
         self.arrange(near);
+        self.floating.relist();
         true
     }
 
@@ -180,8 +181,10 @@ impl Workspace {
         coupled.clear();
         coupled.extend(reference.pairs.iter().map(|joint| {
             let Other::Grain(j) = joint.second else { return true };
-            let apart = (pose.at[joint.first as usize] - pose.at[j as usize]).norm();
-            joint.bonded || apart < (1.0 + NEARLY) * joint.reach
+            let (i, j) = (joint.first as usize, j as usize);
+            let apart = (pose.at[i] - pose.at[j]).norm();
+            let touches = joint.bonded || apart < (1.0 + NEARLY) * joint.reach;
+            touches
         }));
         positions.clear();
         positions.extend(pose.at.iter().map(|at| [at.x, at.y]));
@@ -190,8 +193,9 @@ impl Workspace {
 
     /// Whether a pair is in the matrix at hand that it is not arranged for.
     pub(super) fn lacks_pairs(&self) -> bool {
-        let entries = self.slope.matrix.pairs.iter().zip(&self.coupled);
-        entries.into_iter().any(|(block, coupled)| !coupled && block[0][0] + block[1][1] != 0.0)
+        let pairs = self.coupled.len() as u32;
+        let mut filled = self.slope.matrix.filled.iter().take_while(|k| **k < pairs);
+        filled.any(|&k| !self.coupled[k as usize])
     }
 
     /// Takes the balance of the grains and walls of `state` at the pose.

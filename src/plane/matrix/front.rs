@@ -139,15 +139,15 @@ impl Fronts {
         true
     }
 
-    /// Solves in place for a right side of three numbers a grain.
+    /// Solves in place for right sides of three numbers a grain.
     pub(super) fn solve(
         &self,
         tree: &Tree,
         factors: &[f64],
-        right: &mut [f64],
+        rights: &mut [Vec<f64>],
         local: &mut Vec<f64>,
     ) {
-        dispatch(Substitute { fronts: &self.list, tree, factors, right, local });
+        dispatch(Substitute { fronts: &self.list, tree, factors, rights, local });
     }
 
     /// Memory that its lists hold \[bytes\].
@@ -182,9 +182,9 @@ impl Front {
             let first = FREEDOMS * k;
             let (done, rest) = local[first..].split_at_mut(FREEDOMS);
             let [a, b, c] = columns_of(columns, m, first);
-            let x = done[0] / a[0];
-            let y = a[1].mul_add(-x, done[1]) / b[1];
-            let z = b[2].mul_add(-y, a[2].mul_add(-x, done[2])) / c[2];
+            let x = done[0] * a[0];
+            let y = a[1].mul_add(-x, done[1]) * b[1];
+            let z = b[2].mul_add(-y, a[2].mul_add(-x, done[2])) * c[2];
             done.copy_from_slice(&[x, y, z]);
             let lower = a[FREEDOMS..].iter().zip(&b[FREEDOMS..]).zip(&c[FREEDOMS..]);
             for (to, ((a, b), c)) in rest.iter_mut().zip(lower) {
@@ -205,9 +205,9 @@ impl Front {
             let (done, rest) = local[first..].split_at_mut(FREEDOMS);
             let [a, b, c] = columns_of(columns, m, first);
             let [x, y, z] = dots([&a[FREEDOMS..], &b[FREEDOMS..], &c[FREEDOMS..]], rest);
-            let z = (done[2] - z) / c[2];
-            let y = b[2].mul_add(-z, done[1] - y) / b[1];
-            let x = a[1].mul_add(-y, a[2].mul_add(-z, done[0] - x)) / a[0];
+            let z = (done[2] - z) * c[2];
+            let y = b[2].mul_add(-z, done[1] - y) * b[1];
+            let x = a[1].mul_add(-y, a[2].mul_add(-z, done[0] - x)) * a[0];
             done.copy_from_slice(&[x, y, z]);
         }
         self.give(tree, local, right, p);
@@ -271,9 +271,9 @@ impl Kernel for Eliminate<'_> {
     }
 }
 
-/// Cholesky factors of the first `p` columns of the lower triangle of `dense`, m x m by columns, and the
-/// Schur complement in the rest; what is above the diagonal is of no use then. Says whether all pivots
-/// were positive.
+/// Cholesky factors of the first `p` columns of the lower triangle of `dense`, m x m by columns, with one
+/// over the diagonal, and the Schur complement in the rest; what is above the diagonal is of no use then.
+/// Says whether all pivots were positive.
 #[inline(always)]
 fn eliminate(dense: &mut [f64], m: usize, p: usize) -> bool {
     let mut from = 0;
@@ -291,9 +291,8 @@ fn eliminate(dense: &mut [f64], m: usize, p: usize) -> bool {
             if pivot.is_nan() || pivot <= 0.0 {
                 return false;
             }
-            let root = pivot.sqrt();
-            let over = 1.0 / root;
-            own[0] = root;
+            let over = 1.0 / pivot.sqrt();
+            own[0] = over;
             own[1..].iter_mut().for_each(|entry| *entry *= over);
         }
         let (done, rest) = dense.split_at_mut(to * m);
@@ -369,12 +368,13 @@ fn dots(columns: [&[f64]; FREEDOMS], right: &[f64]) -> [f64; FREEDOMS] {
     dots
 }
 
-/// Substitution, forward and backward, with the instructions of the machine.
+/// Substitution, forward and backward, with the instructions of the machine. What is fetched of a front
+/// serves all right sides.
 struct Substitute<'a> {
     fronts: &'a [Front],
     tree: &'a Tree,
     factors: &'a [f64],
-    right: &'a mut [f64],
+    rights: &'a mut [Vec<f64>],
     local: &'a mut Vec<f64>,
 }
 
@@ -383,12 +383,17 @@ impl Kernel for Substitute<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) {
-        let Self { fronts, tree, factors, right, local } = self;
+        let Self { fronts, tree, factors, rights, local } = self;
+        // Closures would not have the instructions of the machine.
         for front in fronts {
-            front.forward(tree, factors, right, local);
+            for right in rights.iter_mut() {
+                front.forward(tree, factors, right, local);
+            }
         }
         for front in fronts.iter().rev() {
-            front.backward(tree, factors, right, local);
+            for right in rights.iter_mut() {
+                front.backward(tree, factors, right, local);
+            }
         }
     }
 }
