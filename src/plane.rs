@@ -19,6 +19,7 @@ pub mod cell;
 mod commit;
 pub mod contacts;
 pub mod crack;
+mod dynamic;
 mod floating;
 mod gauss_seidel;
 pub mod glue;
