@@ -109,7 +109,7 @@ pub enum Method {
     ConjugateGradient,
     /// Grain by grain to its own equilibrium (B 2.3); a step is a sweep over all grains.
     GaussSeidel,
-    /// Equations of motion with local damping (B 2.2); a step is one of time.
+    /// Equations of motion with local damping (B 2.2, 13-14); a step is one of time.
     Dynamic,
 }
 

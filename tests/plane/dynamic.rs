@@ -288,3 +288,22 @@ fn a_biaxial_test_past_its_peak_accounts_for_its_energy() {
     assert!(peak > 2.0 && state.stress_walls[4] < 0.99e5 * peak, "{peak}");
     assert!(state.event_energy > 0.0 && off.abs() < 0.03, "{off}");
 }
+
+#[test]
+fn scenes_of_discs_have_motion_and_refuse_what_discs_have_not() {
+    let of = |text: &str| {
+        let text = format!("dimension: 2\npack: {{file: none.csv}}\n{text}");
+        graintwin::scene::parse(&text, "motion.yaml".as_ref())
+    };
+    let glued = of("walls: {friction: .inf, glue: true}\nsolver: {method: dynamic, damping: 0.5}");
+    let solver = glued.unwrap().solver;
+    assert_eq!((solver.method, solver.damping), (Method::Dynamic, 0.5));
+    for (text, why) in [
+        ("solver: {method: conjugate_gradient}", "allowed in the plane: newton, gauss_seidel, dyn"),
+        ("solver: {method: dynamic, damping: 1.0}", "0 < damping < 1"),
+        ("solver: {method: dynamic, sweeps: 20}", "counts the sweeps of another method"),
+    ] {
+        let refused = of(text).unwrap_err().to_string();
+        assert!(refused.contains(why), "{refused}");
+    }
+}

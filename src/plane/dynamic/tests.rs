@@ -75,13 +75,13 @@ impl Moving {
         0.5 * grains.chain(drives).sum::<f64>()
     }
 
-    /// Potential of the contacts and the loads \[J\].
-    fn potential(&self) -> f64 {
+    /// Potential of the loads \[J\].
+    fn loads(&self) -> f64 {
         let loads = self.work.drives.iter().map(|drive| {
             let way = drive.shares.iter().zip(self.state.displacement);
-            drive.force * way.map(|(share, way)| share * way).sum::<f64>()
+            -drive.force * way.map(|(share, way)| share * way).sum::<f64>()
         });
-        self.work.balance.potential() - loads.sum::<f64>()
+        loads.sum()
     }
 }
 
@@ -111,10 +111,11 @@ fn without_damping_energy_stays_to_the_square_of_the_time_step() {
         let (mut energies, mut before) = (Vec::new(), 0.0);
         let mut most = 0.0_f64;
         for _ in 0..(40.0 / dt) as usize {
+            let loads = moving.loads();
             moving.step(Leap { dt, damping: 0.0 });
             // The balance is that of the place between two half steps of the velocity.
-            let kinetic = moving.kinetic();
-            energies.push(moving.potential() + 0.5 * (before + kinetic));
+            let (kinetic, potential) = (moving.kinetic(), moving.work.balance.potential());
+            energies.push(loads + potential + 0.5 * (before + kinetic));
             most = most.max(kinetic);
             before = kinetic;
         }
