@@ -29,7 +29,7 @@ fn by_newton(scene: &Scene) -> Scene {
 fn along(scene: &Scene, pack: &Pack, asks: &[Ask]) -> Vec<Measures> {
     let (mut rig, report) = Rig::new(scene, pack);
     assert_eq!(report.disposition, Disposition::Applied, "{}", report.text);
-    asks.iter().map(|ask| rig.go(ask.clone())).collect()
+    asks.iter().map(|ask| rig.go(*ask)).collect()
 }
 
 /// Largest difference of a wall's force over the largest force, and of the place of a grain that carries

@@ -164,8 +164,8 @@ fn momentum_stays_where_nothing_pushes_from_outside() {
 #[test]
 fn local_damping_takes_the_same_share_of_every_swing() {
     // While k(1 - α) drives a swing, k(1 + α) brakes it: ½ k (1 - α) A² = ½ k (1 + α) B².
-    let damping = 0.4;
-    let want = ((1.0 - damping) / (1.0 + damping) as f64).sqrt();
+    let damping = 0.4_f64;
+    let want = ((1.0 - damping) / (1.0 + damping)).sqrt();
     let half = R * (1.0 - 1e-3);
     let off = 5e-4 * R;
     let mut moving =
