@@ -1,6 +1,6 @@
 //! The biaxial test of B 3.2: a thousand discs, a thousand increments, on one thread. How long the
 //! whole test takes at several tolerances, and what accuracy costs in its first increments, with
-//! Newton's method and with van Baars' own (18-19).
+//! Newton's method, with van Baars' own (18-19) and with the motion that he compares it with (13-14).
 //! `cargo bench --bench biaxial --no-default-features`
 //!
 //! Times are of one thread; on a machine that does other things too, compare ratios and work counts.
@@ -16,7 +16,7 @@ use graintwin::bench::{self, Job, Reference, Row, Timing};
 use graintwin::command::{Ask, Command, Disposition, Mode, Stamp};
 use graintwin::pack::{self, Pack};
 use graintwin::report::Demand;
-use graintwin::scene::{self, Method, Scene};
+use graintwin::scene::{self, Scene};
 use graintwin::twin::Twin;
 use graintwin::wall::WallTarget;
 
@@ -75,10 +75,7 @@ fn first_increments(scene: &Scene, pack: &Pack, commands: &[Command]) {
     let mut print = |row: &Row| {
         println!(
             "{:<12}  {:9.0e}  {:6.1}  {:15.0}  {:20.1e}  {:12.1e}",
-            match row.method {
-                Method::GaussSeidel => "gauss_seidel",
-                _ => "newton",
-            },
+            row.method.name(),
             row.tolerance,
             1e3 * row.cpu_seconds_median,
             row.iterations,

@@ -9,7 +9,8 @@
 //! ([`mod@reference`]): their shear counts from there, with the stiffness and the limit of that normal force
 //! ([`law`]), and so has a potential. `newton` finds its minimum over the grains and the walls that
 //! carry loads, with the balance of forces ([`balance`]) of all contacts ([`act`]) and its exact derivative
-//! ([`slope`]), factorised directly ([`matrix`]).
+//! ([`slope`]), factorised directly ([`matrix`]). `gauss_seidel`, grain by grain, and `dynamic`, motion with
+//! damping, come to the same minimum without that.
 
 pub mod act;
 pub mod advance;
@@ -19,6 +20,7 @@ pub mod cell;
 mod commit;
 pub mod contacts;
 pub mod crack;
+mod dynamic;
 mod floating;
 mod gauss_seidel;
 pub mod glue;

@@ -18,7 +18,7 @@ pub mod coupled;
 mod crew;
 pub mod dissociate;
 mod downhill;
-mod dynamic;
+pub(crate) mod dynamic;
 pub mod fire;
 pub mod flow;
 mod gauss_seidel;

@@ -3,7 +3,7 @@
 use super::boundary::{self, SIDES};
 use super::pressed::Pressed;
 use super::work::{Drive, Legs, Workspace};
-use super::{commit, contacts, crack, gauss_seidel, glue, loads, newton};
+use super::{commit, contacts, crack, dynamic, gauss_seidel, glue, loads, newton};
 use crate::contact::neighbours::Neighbours;
 use crate::model::Model;
 use crate::relax::advance::{
@@ -69,7 +69,7 @@ pub fn settle(
         };
         reached.changes.add(work.legs.changes);
         reached.descents = reached.outcome.descents;
-        reached.wall_force_error = newton::wall_force_error(model, state, work);
+        reached.wall_force_error = newton::wall_force_error(model, state, work, near);
         reached.jumps.append(&mut work.jumps);
     }
     reached.iterations = reached.outcome.iterations;
@@ -119,7 +119,8 @@ pub fn advance(
             let moved = move_walls(model, state, work, (&target, tilt), share);
             loads::press(model, state, work, &aim);
             set_drives(work, &aim, state, model, pressed.drag);
-            if model.solver.sweeps.is_none() && (moved || !work.drives.is_empty()) {
+            let predicts = model.solver.sweeps.is_none() && model.solver.method != Method::Dynamic;
+            if predicts && (moved || !work.drives.is_empty()) {
                 newton::predict(model, state, work, near);
             }
             let outcome = follow(model, state, work, near);
@@ -143,7 +144,7 @@ pub fn advance(
         let changes = commit::commit(model, state, work);
         so_far.count(changes);
         so_far.count(work.legs.changes);
-        so_far.wall_force_error = newton::wall_force_error(model, state, work);
+        so_far.wall_force_error = newton::wall_force_error(model, state, work, near);
         near.refresh(model, &state.position, &state.bounds(model));
         let next = Pressed::of(model, state, near);
         let worked = state.wall_work;
@@ -271,6 +272,7 @@ fn follow(
 fn solve(model: &Model, state: &mut State, work: &mut Workspace, near: &mut Neighbours) -> Outcome {
     work.legs = Legs::default();
     let current = limits_are_current(model);
+    let newton = model.solver.method == Method::Newton;
     // Steps of all relaxations, legs, and steps of the legs of the relaxation at hand.
     let (mut iterations, mut legs, mut spent) = (0, 0, 0);
     let mut before = Pose::default();
@@ -288,14 +290,17 @@ fn solve(model: &Model, state: &mut State, work: &mut Workspace, near: &mut Neig
             virial = Some(work.balance.sums.virial.iter().sum());
         }
         let left = newton::most_steps(model) - spent;
-        let newton = model.solver.method != Method::GaussSeidel;
         let flows = newton && model.friction.is_some() && left > LEG;
-        let mut outcome = match newton {
-            true => newton::relax(model, state, work, near, if flows { LEG } else { left }),
-            false => gauss_seidel::relax(model, state, work, near),
+        let mut outcome = match model.solver.method {
+            Method::GaussSeidel => gauss_seidel::relax(model, state, work, near),
+            Method::Dynamic => dynamic::relax(model, state, work, near),
+            Method::Newton | Method::ConjugateGradient => {
+                newton::relax(model, state, work, near, if flows { LEG } else { left })
+            }
         };
         concave |= work.search.concave;
         iterations += outcome.iterations;
+        legs += outcome.descents;
         (outcome.iterations, outcome.descents) = (iterations, legs);
         if flows && outcome.status == Status::MaxIterations {
             legs += 1;
@@ -323,7 +328,12 @@ fn solve(model: &Model, state: &mut State, work: &mut Workspace, near: &mut Neig
 
 /// Ends a leg of a way down that is long: contacts get the shear and the limits that they have now, and
 /// new ones begin to rub.
-fn flow_on(model: &Model, state: &mut State, work: &mut Workspace, near: &mut Neighbours) {
+pub(super) fn flow_on(
+    model: &Model,
+    state: &mut State,
+    work: &mut Workspace,
+    near: &mut Neighbours,
+) {
     let changes = commit::commit(model, state, work);
     work.legs.changes.add(changes);
     work.legs.worked += loads::membrane_work(state, work);
@@ -447,7 +457,7 @@ fn break_bonds(
     }
     if so_far.cracks.len() > cracks {
         *pressed = Pressed::of(model, state, near);
-        so_far.wall_force_error = newton::wall_force_error(model, state, work);
+        so_far.wall_force_error = newton::wall_force_error(model, state, work, near);
     }
     true
 }

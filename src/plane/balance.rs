@@ -43,6 +43,16 @@ pub struct Balance {
 impl Balance {
     /// Takes the balance of `pose`.
     pub fn evaluate(&mut self, scenery: &Scenery<'_>, pose: &Pose) {
+        self.evaluate_and(scenery, pose, |_, _, _| {});
+    }
+
+    /// The same, and shows `see` what each contact does, with the body where there is one.
+    pub(super) fn evaluate_and(
+        &mut self,
+        scenery: &Scenery<'_>,
+        pose: &Pose,
+        mut see: impl FnMut(&Joint, &Act, Option<&Body>),
+    ) {
         let Scenery { model, setup, reference, bodies, membranes, carries, .. } = scenery;
         self.evaluations += 1;
         self.gradient.clear();
@@ -62,6 +72,7 @@ impl Balance {
             self.support[joint.first as usize] += holds;
             self.support[j] += holds;
             self.count(&act);
+            see(joint, &act, None);
         }
         for joint in &reference.edges {
             let Some(act) = scenery.edge(joint, pose) else { continue };
@@ -73,6 +84,7 @@ impl Balance {
             self.tilt += Self::tilted(&act, body, station, joint.arm[0]);
             self.support[joint.first as usize] += self.holds(joint, &act);
             self.count(&act);
+            see(joint, &act, Some(body));
         }
         for membrane in *membranes {
             membrane.add_gradient(pose, &mut self.gradient);

@@ -77,6 +77,13 @@ pub(super) fn drop_loose(model: &Model, state: &mut State, work: &mut Workspace)
     }
 }
 
+/// Lets all grains take part again. Says whether any did not.
+pub(super) fn take_back(state: &mut State) -> bool {
+    let floats = state.carries.iter().any(|carries| !carries);
+    state.carries.fill(true);
+    floats
+}
+
 /// Moves floating grains out of those that they overlap. Those that find no room join the balance
 /// again: says whether any does.
 pub(super) fn rejoin(model: &Model, state: &mut State, work: &mut Workspace) -> bool {

@@ -28,6 +28,7 @@ use crate::contact::neighbours::Neighbours;
 use crate::heap;
 use crate::model::Model;
 use crate::relax::{Outcome, Status};
+use crate::scene::Method;
 use crate::state::State;
 use crate::wall;
 
@@ -46,7 +47,7 @@ const MOST_STEPS: u32 = 5000;
 /// Residual below which a minimum is near.
 const NEAR: f64 = 1e-5;
 /// Residual below which contacts that are open stay open.
-const OPENS: f64 = 1e-3;
+pub(super) const OPENS: f64 = 1e-3;
 /// Steps without a smaller residual after which rounding is what is left, and the residual from which on
 /// that may be so.
 const ROUNDED: f64 = 1e-6;
@@ -220,7 +221,7 @@ pub(super) fn overlap(model: &Model, state: &State, work: &Workspace, joint: &Jo
 }
 
 /// Stiffness of a typical contact \[N/m\].
-fn stiffness(work: &Workspace) -> f64 {
+pub(super) fn stiffness(work: &Workspace) -> f64 {
     let sums = &work.balance.sums;
     // Where all bonds are pulled nothing overlaps.
     match sums.mean_force() > work.negligible && sums.overlap > 0.0 {
@@ -378,8 +379,13 @@ pub(super) fn predict(model: &Model, state: &mut State, work: &mut Workspace, ne
 }
 
 /// Estimate of the largest error of a wall's normal force \[N\]: what a last step with the factors at
-/// hand would change, and what rounding may.
-pub(super) fn wall_force_error(model: &Model, state: &State, work: &mut Workspace) -> f64 {
+/// hand would change, and what rounding may. Motion has no factors: it takes a whole step from its end.
+pub(super) fn wall_force_error(
+    model: &Model,
+    state: &State,
+    work: &mut Workspace,
+    near: &Neighbours,
+) -> f64 {
     let sums = work.balance.sums;
     if sums.contacts == 0 {
         return 0.0;
@@ -388,6 +394,9 @@ pub(super) fn wall_force_error(model: &Model, state: &State, work: &mut Workspac
     let far =
         bounds.min[..2].iter().chain(&bounds.max[..2]).fold(0.0_f64, |far, x| far.max(x.abs()));
     let rounding = stiffness(work) * far * f64::EPSILON * f64::from(sums.contacts).sqrt();
+    if model.solver.method == Method::Dynamic {
+        return rounding + last_step(model, state, work, near);
+    }
     let Workspace { slope, search, balance, .. } = work;
     if !slope.matrix.is_factorised() {
         return rounding;
@@ -400,4 +409,30 @@ pub(super) fn wall_force_error(model: &Model, state: &State, work: &mut Workspac
     glue::add_columns(state, &work.bodies, &work.reference, slope);
     let change = |column: &Vec<f64>| dot(column, &search.answers[0]).abs();
     rounding + slope.columns.iter().map(change).fold(0.0, f64::max)
+}
+
+/// Largest change of what a side is pressed with in a step from the pose \[N\].
+fn last_step(model: &Model, state: &State, work: &mut Workspace, near: &Neighbours) -> f64 {
+    work.search.convex = false;
+    assemble(model, state, work, near, false);
+    let unit = stiffness(work);
+    let mut shift = LEAST_SHIFT * unit;
+    while !(work.slope.matrix.factorise(shift) && solve(state, work, shift)) {
+        shift *= GROWTH;
+        if shift > MOST_SHIFT * unit {
+            return f64::INFINITY;
+        }
+    }
+    let Workspace { slope, search, bodies, reference, drives, .. } = work;
+    let Search { step, carried, way, .. } = search;
+    for (x, way) in carried.iter().zip(way.iter()).take(drives.len()) {
+        step.iter_mut().zip(x).for_each(|(to, x)| *to += x * way);
+    }
+    glue::clear(&state.glued, step);
+    glue::add_columns(state, bodies, reference, slope);
+    let change = |side: usize| {
+        let own = drives.iter().zip(way.iter()).map(|(drive, way)| drive.shares[side] * way);
+        dot(&slope.columns[side], step) + slope.corner[side] * own.sum::<f64>()
+    };
+    (0..SIDES).map(|side| change(side).abs()).fold(0.0, f64::max)
 }

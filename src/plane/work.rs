@@ -1,8 +1,9 @@
 //! Scratch of the relaxation in the plane.
 
-use super::act::Scenery;
+use super::act::{Act, Scenery};
 use super::balance::Balance;
 use super::boundary::{self, Body, SIDES};
+use super::dynamic::Inertia;
 use super::floating::Floating;
 use super::gauss_seidel::Adjacency;
 use super::membrane::{self, Membrane};
@@ -70,6 +71,7 @@ pub struct Workspace {
     pub(super) search: Search,
     pub(super) floating: Floating,
     pub(super) adjacency: Adjacency,
+    pub(super) inertia: Inertia,
     finder: Finder,
     /// For the memory that is being written.
     pub(super) memory: crate::state::Memory,
@@ -110,6 +112,7 @@ impl Workspace {
             + columns
             + self.search.heap_bytes()
             + self.floating.heap_bytes()
+            + self.inertia.heap_bytes()
             + heap::bytes(&self.positions)
             + heap::bytes(&self.coupled)
             + heap::bytes(&self.links)
@@ -200,11 +203,21 @@ impl Workspace {
 
     /// Takes the balance of the grains and walls of `state` at the pose.
     pub(super) fn evaluate(&mut self, model: &Model, state: &State) {
+        self.evaluate_and(model, state, |_, _, _| {});
+    }
+
+    /// The same, and shows `see` what each contact does, with the body where there is one.
+    pub(super) fn evaluate_and(
+        &mut self,
+        model: &Model,
+        state: &State,
+        see: impl FnMut(&Joint, &Act, Option<&Body>),
+    ) {
         let Some(setup) = &model.plane else { return };
         boundary::bodies(model, &state.displacement, state.tilt, &mut self.bodies);
         let Self { reference, bodies, membranes, balance, pose, .. } = self;
         let scenery = Scenery::of(model, setup, state, (reference, bodies, membranes));
-        balance.evaluate(&scenery, pose);
+        balance.evaluate_and(&scenery, pose, see);
     }
 
     /// Takes the sides that are membranes to where the outline of the pose is on average, and the ends

@@ -2,9 +2,8 @@
 //! equilibrium: leap-frog steps of the equations of motion until the residual holds, with the
 //! masses scaled to the grains' stiffnesses so that all of them follow the same time step.
 
+pub(crate) mod leap;
 mod mass;
-
-use std::f64::consts::SQRT_2;
 
 use crate::Vec3;
 use crate::heap;
@@ -14,15 +13,8 @@ use crate::relax::newton::Solved;
 use crate::relax::verdict::{Progress, verdict};
 use crate::state::State;
 use crate::wall::Room;
+use leap::{DEEPEST, Leap, PATIENCE};
 use mass::Masses;
-
-/// Share of the largest stable time step.
-const SAFE: f64 = 0.9;
-/// Longest step over the mean overlap: two grains that meet come no deeper than contacts are. The
-/// masses suit those; deeper ones would throw grains back with more energy than they had.
-const DEEPEST: f64 = 0.5;
-/// Steps between two looks for masses that may be smaller and for grains that nothing holds.
-const PATIENCE: u32 = 50;
 
 /// Scratch of this module.
 #[derive(Clone, Debug, Default)]
@@ -93,37 +85,22 @@ impl Inertia {
         });
     }
 
-    /// One leap-frog step (B 13-14). Damping takes a share from each component of a force that
-    /// drives the motion, and adds it to one that brakes.
+    /// One leap-frog step (B 13-14).
     fn step(&mut self, model: &Model, state: &mut State, work: &Workspace) {
-        let damping = model.solver.damping;
-        // A pure number, as masses are stiffnesses: 2/ω, for forces that damping makes larger.
-        let dt = SAFE * SQRT_2 / (1.0 + damping).sqrt();
+        let leap = Leap::new(model.solver.damping);
         let cap = model.solver.step_cap;
         let deepest = match work.balance.sums.contacts {
             0 => f64::INFINITY,
             _ => DEEPEST * work.balance.sums.mean_overlap(),
         };
-        let advance = |v: &mut Vec3, gradient: &Vec3, mass: f64, radius: f64| {
-            let force = v.zip_map(gradient, |v, g| match () {
-                () if v * g < 0.0 => -g * (1.0 - damping),
-                () if v * g > 0.0 => -g * (1.0 + damping),
-                () => -g,
-            });
-            *v += force * (dt / mass);
-            let (length, longest) = (v.norm() * dt, deepest.min(cap * radius));
-            if length > longest {
-                *v *= longest / length;
-            }
-            *v * dt
-        };
         let balance = &work.balance;
         for i in 0..model.len() {
             let (radius, mass) = (model.radius[i], self.masses.of(i));
+            let longest = deepest.min(cap * radius);
             state.position[i] +=
-                advance(&mut self.velocity[i], &balance.gradient[i], mass[0], radius);
+                leap.advance(&mut self.velocity[i], &balance.gradient[i], mass[0], longest);
             if let (Some(spin), Some(moment)) = (self.spin.get_mut(i), balance.moment.get(i)) {
-                let turn = advance(spin, moment, mass[1], radius);
+                let turn = leap.advance(spin, moment, mass[1], longest);
                 state.rotation[i] += turn / radius;
             }
         }

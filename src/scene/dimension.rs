@@ -40,7 +40,7 @@ pub(super) fn check(scene: &Scene, problems: &mut Problems) {
         return;
     }
     if scene.walls.glue && scene.solver.method == Method::GaussSeidel {
-        let text = "gauss_seidel moves grains one by one; allowed with walls.glue: newton";
+        let text = "gauss_seidel moves grains one by one; allowed with walls.glue: newton, dynamic";
         not(at.key("solver").key("method"), text);
     }
     if scene.solver.sweeps.is_some() && scene.solver.method != Method::GaussSeidel {
@@ -58,7 +58,7 @@ pub(super) fn check(scene: &Scene, problems: &mut Problems) {
     }
     if !scene.solver.method.relaxes(2) {
         let text = format!(
-            "{} is for spheres; allowed in the plane: newton, gauss_seidel",
+            "{} is for spheres; allowed in the plane: newton, gauss_seidel, dynamic",
             scene.solver.method.name()
         );
         not(at.key("solver").key("method"), &text);

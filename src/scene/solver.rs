@@ -109,7 +109,7 @@ pub enum Method {
     ConjugateGradient,
     /// Grain by grain to its own equilibrium (B 2.3); a step is a sweep over all grains.
     GaussSeidel,
-    /// Equations of motion with local damping (B 2.2); a step is one of time.
+    /// Equations of motion with local damping (B 2.2, 13-14); a step is one of time.
     Dynamic,
 }
 
@@ -118,10 +118,10 @@ impl Method {
     pub const ALL: [Self; 4] =
         [Self::Newton, Self::ConjugateGradient, Self::GaussSeidel, Self::Dynamic];
 
-    /// Whether it relaxes packs of this dimension: spheres by all, discs by two of them.
+    /// Whether it relaxes packs of this dimension: spheres by all, discs by all but conjugate gradients.
     #[must_use]
     pub const fn relaxes(self, dimension: u8) -> bool {
-        dimension != 2 || matches!(self, Self::Newton | Self::GaussSeidel)
+        dimension != 2 || !matches!(self, Self::ConjugateGradient)
     }
 
     /// The name that scenes know it by.

@@ -15,6 +15,7 @@ mod cracking;
 mod crystal;
 mod derivatives;
 mod discs;
+mod dynamic;
 mod gradings;
 mod lattice;
 mod membranes;

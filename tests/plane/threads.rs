@@ -26,7 +26,7 @@ fn bits(report: &Report) -> Vec<u64> {
 }
 
 /// A biaxial test past the first events, on `threads` threads.
-fn test(scene: &Scene, threads: usize, increments: u32) -> Vec<Vec<u64>> {
+pub(crate) fn test(scene: &Scene, threads: usize, increments: u32) -> Vec<Vec<u64>> {
     let pack = dense(12, 20, 3, 1e5, 0.6);
     let height = pack.bounds.sides()[1];
     let mut twin = Twin::new(scene, &pack, threads).unwrap();

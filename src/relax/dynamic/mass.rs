@@ -7,12 +7,10 @@
 use crate::contact::Other;
 use crate::heap;
 use crate::model::Model;
+use crate::relax::dynamic::leap::raise;
 use crate::relax::sym3::Sym3;
 use crate::relax::sym6::Sym6;
 use crate::relax::{Workspace, sticking};
-
-/// Least mass of a grain over the mean: one that hardly touches anything may do so soon.
-const LEAST: f64 = 0.2;
 
 /// Mass of each grain and of its rotation times radius \[N/m\].
 #[derive(Clone, Debug, Default)]
@@ -41,15 +39,7 @@ impl Masses {
         let unit = work.reference_stiffness;
         self.mass.clear();
         self.mass.extend(self.stiffness.iter().map(|s| row_sums(s).map(|sum| sum * unit)));
-        for kind in 0..2 {
-            let held = self.mass.iter().filter(|mass| mass[kind] > 0.0).count().max(1);
-            let mean = self.mass.iter().map(|mass| mass[kind]).sum::<f64>() / held as f64;
-            // Nothing touches yet: any mass will do.
-            let least = if mean > 0.0 { LEAST * mean } else { unit };
-            for mass in &mut self.mass {
-                mass[kind] = mass[kind].max(least);
-            }
-        }
+        raise(&mut self.mass, unit);
     }
 
     /// Raises masses that are too small for the contacts of the balance taken last, and tells what
