@@ -34,6 +34,7 @@ pub mod pressed;
 pub mod reference;
 pub mod setup;
 pub mod slope;
+pub mod tangent;
 mod work;
 
 pub use cell::Cell;

@@ -221,7 +221,7 @@ pub(super) fn overlap(model: &Model, state: &State, work: &Workspace, joint: &Jo
 }
 
 /// Stiffness of a typical contact \[N/m\].
-fn stiffness(work: &Workspace) -> f64 {
+pub(super) fn stiffness(work: &Workspace) -> f64 {
     let sums = &work.balance.sums;
     // Where all bonds are pulled nothing overlaps.
     match sums.mean_force() > work.negligible && sums.overlap > 0.0 {

@@ -159,6 +159,14 @@ impl Reference {
         any
     }
 
+    /// Makes every contact that can rub stick, whatever its limit.
+    pub fn stick(&mut self) {
+        let joints = self.pairs.iter_mut().chain(&mut self.edges);
+        joints.filter(|joint| joint.shear.limit > 0.0).for_each(|joint| {
+            joint.shear.limit = f64::INFINITY;
+        });
+    }
+
     /// Renews the limit and the stiffness of every contact with its present overlap `overlap(joint)`
     /// \[m\]; says by how much the largest limit changed \[N\].
     pub fn renew(&mut self, model: &Model, overlap: impl Fn(&Joint) -> f64) -> f64 {

@@ -63,8 +63,12 @@ pub(super) fn check(scene: &Scene, problems: &mut Problems) {
         );
         not(at.key("solver").key("method"), &text);
     }
-    if scene.outputs.moduli.takes_tangent() {
-        let text = "tangent moduli are for spheres; allowed in the plane: secant, none";
+    if scene.outputs.moduli.takes_tangent() && !scene.walls.is_plain() {
+        let text = "tangent moduli are those of a box of straight walls; allowed: secant, none";
+        not(at.key("outputs").key("moduli"), text);
+    }
+    if scene.outputs.moduli.takes_tangent() && scene.solver.sweeps.is_some() {
+        let text = "tangent moduli are those of an equilibrium; allowed with sweeps: secant, none";
         not(at.key("outputs").key("moduli"), text);
     }
     if scene.pack.hydrate.is_some() {

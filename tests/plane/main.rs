@@ -25,4 +25,5 @@ mod rescale;
 mod samples;
 mod shear;
 mod sweeps;
+mod tangent;
 mod threads;
