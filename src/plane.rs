@@ -23,6 +23,7 @@ mod floating;
 mod gauss_seidel;
 pub mod glue;
 pub mod law;
+pub mod lean;
 mod line;
 mod loads;
 pub mod matrix;

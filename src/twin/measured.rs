@@ -214,7 +214,7 @@ impl Twin {
     #[must_use]
     pub fn motion(&self) -> Option<GrainMotion> {
         let Self { model, state, past, pool, .. } = self;
-        let before = past.as_ref().filter(|_| model.plane.is_none())?.before();
+        let before = past.as_ref().filter(|_| self.tells_motion)?.before();
         Some(pool.install(|| motion::motion(model, before, state)))
     }
 
