@@ -161,10 +161,20 @@ impl Reference {
 
     /// Makes every contact that can rub stick, whatever its limit.
     pub fn stick(&mut self) {
-        let joints = self.pairs.iter_mut().chain(&mut self.edges);
-        joints.filter(|joint| joint.shear.limit > 0.0).for_each(|joint| {
-            joint.shear.limit = f64::INFINITY;
-        });
+        for joint in self.pairs.iter_mut().chain(&mut self.edges) {
+            if joint.shear.limit > 0.0 {
+                joint.shear.limit = f64::INFINITY;
+            }
+        }
+    }
+
+    /// Makes contacts without friction smooth: where nothing is sheared as yet they would stick.
+    pub fn smooth(&mut self) {
+        for joint in self.pairs.iter_mut().chain(&mut self.edges) {
+            if joint.shear.limit == 0.0 {
+                joint.shear.stiffness = 0.0;
+            }
+        }
     }
 
     /// Renews the limit and the stiffness of every contact with its present overlap `overlap(joint)`

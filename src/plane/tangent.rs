@@ -87,14 +87,17 @@ pub fn tangent(
     };
     let mut reference = Reference::default();
     reference.begin(model, state, near, &bodies, true);
+    reference.smooth();
     let mut sticking = reference.clone();
     sticking.stick();
+    let mut last = work.reference.clone();
+    last.smooth();
     let anew = Pose { at: at.clone(), turn: vec![0.0; model.len()] };
     // A pack that was given in equilibrium has no increment behind it.
     let given = reached.substeps == 0;
     let there = Pose { at, turn: work.pose.turn.clone() };
     let there = (there.turn.len() == model.len())
-        .then(|| Place::new(Scenery { goes_on: given, ..scenery(&work.reference) }, state, there));
+        .then(|| Place::new(Scenery { goes_on: given, ..scenery(&last) }, state, there));
     let allowed = ANOTHER * model.solver.tolerance * newton::unit_force(model, work);
     let stands = match there.filter(|place| longest(&place.balance.gradient) <= allowed) {
         Some(place) => take(&place),

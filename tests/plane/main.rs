@@ -18,6 +18,7 @@ mod discs;
 mod gradings;
 mod lattice;
 mod membranes;
+mod motion;
 mod no_z;
 mod outputs;
 mod points;
