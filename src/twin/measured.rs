@@ -202,7 +202,9 @@ impl Twin {
         let Self { model, state, work, pool, .. } = self;
         let found = pool.install(|| match &model.plane {
             None => tangent::tangent(model, state, work, &reached.outcome),
-            Some(_) => plane::tangent::tangent(model, state, &work.plane, &work.neighbours, reached),
+            Some(_) => {
+                plane::tangent::tangent(model, state, &work.plane, &work.neighbours, reached)
+            }
         });
         self.spent.products += found.products;
         let density = density(model, state.volume(model));

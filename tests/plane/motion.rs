@@ -117,7 +117,8 @@ fn a_band_of_four_rows_is_found_with_its_normal_and_thickness() {
     // 40 by 40 places, turned; four rows of them are a tenth.
     for degrees in [0.0_f64, 35.0, 62.0] {
         let turn = Rotation2::new(degrees.to_radians());
-        let places: Vec<Vec2> = (0..1600).map(|k| Vec2::new((k % 40) as f64, (k / 40) as f64)).collect();
+        let places: Vec<Vec2> =
+            (0..1600).map(|k| Vec2::new((k % 40) as f64, (k / 40) as f64)).collect();
         let strains = places.iter().map(|at| if (18.0..22.0).contains(&at.y) { 1.0 } else { 1e-3 });
         let motion = sheared(strains.collect());
         let position: Vec<[f64; 3]> =
@@ -277,7 +278,8 @@ fn nobody_looks_unless_the_scene_lets_them_and_looking_changes_nothing() {
         let (mut rig, report) = Rig::new(&moving("friction: 0.2", when), &pack);
         let start = report.measures.unwrap();
         let measures = rig.go(leant([1e-8, 1e-8, 0.0, 0.0], 2e-4));
-        let known = [start.motion.is_some(), measures.motion.is_some(), rig.twin.motion().is_some()];
+        let known =
+            [start.motion.is_some(), measures.motion.is_some(), rig.twin.motion().is_some()];
         (known, rig.twin.digest(), measures.plane.unwrap().network_strain)
     };
     let (never, demanded) = (run(When::Never), run(When::OnDemand));

@@ -209,7 +209,10 @@ fn they_are_the_differences_of_equilibria() {
             (got[(2, 1)] - turning, felt(2) * h),
         ] {
             // The box has shrunk by some of 1e-3 since the start.
-            assert!((found - want).abs() < 4e-3 * want.abs() + 1e-6 * got[(0, 0)], "{what}: {found:e} {want:e}");
+            assert!(
+                (found - want).abs() < 4e-3 * want.abs() + 1e-6 * got[(0, 0)],
+                "{what}: {found:e} {want:e}"
+            );
         }
     }
 }
@@ -234,8 +237,11 @@ fn under_a_shear_of_the_box_too() {
 
 #[test]
 fn the_work_of_glued_walls_has_it_as_its_second_derivative() {
-    for contact in [BONDED, "{friction: {coefficient: 0.3}, rotation: locked, normal: {linear: \
-                             {stiffness: 3.0e5, bond: {cohesion: .inf}}}}"] {
+    for contact in [
+        BONDED,
+        "{friction: {coefficient: 0.3}, rotation: locked, normal: {linear: \
+                             {stiffness: 3.0e5, bond: {cohesion: .inf}}}}",
+    ] {
         let scene = asking("friction: .inf, glue: true", contact, "");
         let pack = dense(8, 8, 3, 1e5, 0.3);
         let way = Way { scene: &scene, pack: &pack, path: vec![Motion::zeros()] };
@@ -270,17 +276,20 @@ fn all_contacts_stick_as_if_friction_had_no_end() {
     let scene = asking("friction: .inf", "{friction: {coefficient: .inf}}", "");
     let way = Way { scene: &scene, pack: &endless, path: vec![Motion::zeros()] };
     let (want, stiff) = (way.tangent(), way.differences(1e-11));
-    let error = off(&on_walls(&found.sticks), &sides(&stiff));
-    println!("{error:e} {:e} {:e}", off(&on_walls(&found.sticks), &sides(&way.differences(3e-12))), off(&on_walls(&found.sticks), &sides(&way.differences(3e-11))));
+    let error = off(&on_walls(&want.sticks), &sides(&stiff));
     assert!(error < 2e-7, "{error:e}");
-    // There is no increment behind the pack as it was given, and its contacts go on.
-    assert!(off(&relaxed(&found.sticks), &relaxed(&want.sticks)) < 1e-9);
-    let carried = Way { scene: &asking("friction: 0.3", HERTZ, ""), pack: &rig.twin.pack(), path: vec![Motion::zeros()] };
-    let (given, _) = carried.went(&Motion::zeros());
-    let given = given.tangent.unwrap();
-    assert!(off(&relaxed(&given.sticks), &relaxed(&found.sticks)) < 1e-9);
-    // Limits do not grow within an increment: here they count from its end.
-    assert!(off(&relaxed(&given.stands), &relaxed(&found.stands)) < 1e-2);
+    // The pack that begins anew counts its arms anew, and turns a little.
+    let error = off(&relaxed(&found.sticks), &relaxed(&want.sticks));
+    assert!(error < 1e-5, "{error:e}");
+    // Without an increment behind it contacts go on as its history has it.
+    let scene = asking("friction: 0.3", HERTZ, "");
+    let (_, given) = Rig::new(&scene, &rig.twin.pack());
+    let given = given.measures.unwrap().tangent.unwrap();
+    assert!(off(&relaxed(&given.sticks), &relaxed(&found.sticks)) < 1e-5);
+    // A limit that is renewed when a run begins lets more of them stick.
+    let axial = |of: &TangentModuli| relaxed(of)[(1, 1)];
+    assert!(axial(&found.stands) <= axial(&given.stands));
+    assert!(axial(&given.stands) <= (1.0 + 1e-5) * axial(&given.sticks));
 }
 
 /// Least eigenvalue of the symmetric part over the largest of all.
@@ -292,7 +301,9 @@ fn least<const N: usize>(of: &SMatrix<f64, N, N>) -> f64 {
 
 #[test]
 fn stable_packs_resist_symmetrically_and_give_in_beside_the_affine_motion() {
-    for (scene, seed) in [(asking("friction: .inf", HERTZ, ""), 5), (asking("friction: 0.0", HERTZ, ""), 6)] {
+    for (scene, seed) in
+        [(asking("friction: .inf", HERTZ, ""), 5), (asking("friction: 0.0", HERTZ, ""), 6)]
+    {
         let pack = dense(12, 12, seed, 1e5, 0.3);
         let mut way = Way { scene: &scene, pack: &pack, path: Vec::new() };
         way.strain(0.0, 2e-4, 0.0);
@@ -329,7 +340,6 @@ fn a_random_pack_is_isotropic_within_its_scatter() {
         let scene = asking(&format!("friction: {friction}"), HERTZ, "");
         Rig::new(&scene, &pack).1.measures.unwrap().tangent.unwrap().sticks
     });
-    println!("{} {:e} {:e} {:e} {:e}", smooth.isotropy_index, smooth.shear, smooth.bulk, rough.relaxed[8], rough.bulk);
     assert!(smooth.isotropy_index > 0.95, "{}", smooth.isotropy_index);
     let (across, along) = (smooth.shear_pairs[0], rough.relaxed[8]);
     assert!((across / along - 1.0).abs() < 0.1, "{across:e} {along:e}");
@@ -399,15 +409,20 @@ fn large_crystals_have_the_moduli_of_the_closed_form() {
     // Layers at the walls add a compliance that goes with one over the size. Smooth walls leave an even
     // strain even, rough ones an even shear.
     let sizes = [12, 24, 48];
-    let [smooth, rough] = ["friction: 0.0", "friction: .inf"].map(|walls| sizes.map(|n| moduli(n, walls)));
+    let [smooth, rough] =
+        ["friction: 0.0", "friction: .inf"].map(|walls| sizes.map(|n| moduli(n, walls)));
     for (name, want, of, value) in [
         ("K", want.bulk_modulus(), &smooth, (|of| of.bulk) as fn(&TangentModuli) -> f64),
         ("G across", want.shear_modulus(), &smooth, |of| of.shear_pairs[0]),
         ("G along", want.shear_modulus(), &rough, |of| of.relaxed[8]),
     ] {
         let soft = of.each_ref().map(|of| want / value(of));
+        assert!(soft[0] > soft[1] && soft[1] > soft[2], "{name}: {soft:?}");
         let first = [2.0 * soft[1] - soft[0], 2.0 * soft[2] - soft[1]];
-        println!("{name}: {soft:?} {first:?} {}", (4.0 * first[1] - first[0]) / 3.0);
+        let endless = (4.0 * first[1] - first[0]) / 3.0;
+        // At rough walls, with their corners, more than one over the size is left.
+        let near = if name == "G along" { 2e-2 } else { 2e-3 };
+        assert!((endless - 1.0).abs() < near, "{name}: {soft:?} {endless}");
     }
 }
 
@@ -432,23 +447,15 @@ fn a_run_has_the_same_bits_with_tangent_moduli_and_without() {
 
 #[test]
 fn what_is_no_minimum_has_no_moduli_and_what_carries_nothing_no_stiffness() {
-    // A column of three discs that buckles when it is pressed, held by nothing but symmetry.
+    // A straight column of three discs that nothing but symmetry holds.
     let short = 1e-3 * RADIUS;
-    let at = |k: f64| 3.0 * RADIUS + k * (2.0 * RADIUS - short);
-    let column = |k: f64| disc(2.0 * RADIUS, at(k), RADIUS, 0.0);
-    let side = [4.0 * RADIUS, 6.0 * RADIUS - 4.0 * short];
-    let at = |grain: graintwin::pack::Grain| {
-        let [x, y, z] = grain.position;
-        graintwin::pack::Grain { position: [x, y - 2.0 * short, z], ..grain }
-    };
-    let grains = [-1.0, 0.0, 1.0].map(column).map(at).to_vec();
-    let pack = Pack { bounds: boxed([0.0; 2], side), grains, history: None };
-    let scene = asking("friction: 0.0", "{normal: hertz}", "");
-    let report = Rig::new(&scene, &pack).1;
-    println!("{}", report.text);
-    if let Some(tangent) = report.measures.and_then(|measures| measures.tangent) {
-        assert!(!tangent.stands.valid && tangent.stands.bulk.is_nan(), "{tangent:?}");
-    }
+    let place = |k: i32| RADIUS - short + f64::from(k) * (2.0 * RADIUS - short);
+    let grains = [0, 1, 2].map(|k| disc(2.0 * RADIUS, place(k), RADIUS, 0.0)).to_vec();
+    let bounds = boxed([0.0; 2], [4.0 * RADIUS, 6.0 * RADIUS - 4.0 * short]);
+    let pack = Pack { bounds, grains, history: None };
+    let scene = asking("friction: 0.0", "{normal: {linear: {stiffness: 1.0e5}}}", "");
+    let found = Rig::new(&scene, &pack).1.measures.unwrap().tangent.unwrap().stands;
+    assert!(!found.valid && found.bulk.is_nan() && found.relaxed.iter().all(|c| c.is_nan()));
     let far = Pack {
         bounds: boxed([0.0; 2], [8.0 * RADIUS; 2]),
         grains: vec![disc(2.0 * RADIUS, 2.0 * RADIUS, RADIUS, 0.3)],

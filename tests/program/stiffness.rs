@@ -67,7 +67,8 @@ fn moduli_of_states_are_drawn_with_e50_of_sand() {
     }
     has(&chart, "predicted from n_c/v");
     // Marked: the state at the start and the twelve that follow, three moduli each.
-    let marked: Vec<usize> = chart.lines.iter().map(Vec::len).filter(|&count| count == 13).collect();
+    let marked: Vec<usize> =
+        chart.lines.iter().map(Vec::len).filter(|&count| count == 13).collect();
     assert_eq!(marked, [13; 3], "{:?}", chart.lines);
     let end = &summary["end"]["tangent"]["sticks"];
     let [stress, young] = *chart.lines[0].last().unwrap();

@@ -31,11 +31,7 @@ pub fn of(motion: &GrainMotion, position: &[[f64; 3]], plane: bool) -> Band {
 /// Eigenvalues of a symmetric matrix, and its eigenvectors as columns.
 type Eigen<const D: usize> = fn(SMatrix<f64, D, D>) -> ([f64; D], SMatrix<f64, D, D>);
 
-fn within<const D: usize>(
-    motion: &GrainMotion,
-    position: &[[f64; 3]],
-    eigen: Eigen<D>,
-) -> Band {
+fn within<const D: usize>(motion: &GrainMotion, position: &[[f64; 3]], eigen: Eigen<D>) -> Band {
     let strains = motion.shear_strain.iter().zip(&motion.carries).zip(position);
     let mut grains: Vec<(f64, SVector<f64, D>)> = strains
         .filter(|((strain, carries), _)| **carries && strain.is_finite())
@@ -89,7 +85,8 @@ fn compare<const D: usize>(
     let normal = normal * normal[normal.iamax()].signum();
     let variance = normal.dot(&(sheared.second * normal));
     let spread = by_size.map(|k| eigenvalues[k].max(0.0).sqrt());
-    let in_space = |of: &SVector<f64, D>| [0, 1, 2].map(|axis| of.get(axis).copied().unwrap_or(0.0));
+    let in_space =
+        |of: &SVector<f64, D>| [0, 1, 2].map(|axis| of.get(axis).copied().unwrap_or(0.0));
     Some(Band {
         center: in_space(&sheared.center),
         normal: in_space(&normal),

@@ -45,11 +45,8 @@ pub(super) fn moduli(stiffness: &Stiffness, density: f64) -> TangentModuli {
 
 /// 1 - |C - C_iso|/|C| with the lengths of tensors, in which the entries of γ count 2 and 4 times.
 fn isotropy(c: &Matrix3<f64>, lame: f64, shear: f64, sheared: bool) -> f64 {
-    let isotropic = Matrix3::new(
-        lame + 2.0 * shear, lame, 0.0,
-        lame, lame + 2.0 * shear, 0.0,
-        0.0, 0.0, shear,
-    );
+    let isotropic =
+        Matrix3::new(lame + 2.0 * shear, lame, 0.0, lame, lame + 2.0 * shear, 0.0, 0.0, 0.0, shear);
     let length = |of: Matrix3<f64>| {
         let square = |l: usize, m: usize| match (l < 2, m < 2) {
             (true, true) => of[(l, m)].powi(2),
@@ -57,7 +54,11 @@ fn isotropy(c: &Matrix3<f64>, lame: f64, shear: f64, sheared: bool) -> f64 {
             (false, false) => 4.0 * of[(l, m)].powi(2),
             _ => 2.0 * of[(l, m)].powi(2),
         };
-        (0..3).flat_map(|l| (0..3).map(move |m| (l, m))).map(|(l, m)| square(l, m)).sum::<f64>().sqrt()
+        (0..3)
+            .flat_map(|l| (0..3).map(move |m| (l, m)))
+            .map(|(l, m)| square(l, m))
+            .sum::<f64>()
+            .sqrt()
     };
     1.0 - length(c - isotropic) / length(*c)
 }
@@ -107,7 +108,8 @@ mod tests {
         let c = Matrix3::new(9.0, 2.0, 0.7, 2.5, 7.0, -0.3, 0.4, 0.1, 3.0);
         let turn = *Rotation2::new(0.4).matrix();
         let matrix = |t: &Tensor| nalgebra::Matrix2::new(t.xx, t.xy, t.xy, t.yy);
-        let tensor = |m: nalgebra::Matrix2<f64>| Tensor { xx: m[(0, 0)], yy: m[(1, 1)], xy: m[(0, 1)] };
+        let tensor =
+            |m: nalgebra::Matrix2<f64>| Tensor { xx: m[(0, 0)], yy: m[(1, 1)], xy: m[(0, 1)] };
         let turned = law(|strain| {
             let e = tensor(turn.transpose() * matrix(strain) * turn);
             let s = c * nalgebra::Vector3::new(e.xx, e.yy, 2.0 * e.xy);

@@ -39,10 +39,8 @@ impl Rim {
     /// At `pose`, where `slope` is the derivative over the grains.
     pub(super) fn new(scenery: &Scenery<'_>, pose: &Pose, slope: &Slope) -> Self {
         let length = FREEDOMS * pose.at.len();
-        let mut rim = Self {
-            columns: std::array::from_fn(|_| vec![0.0; length]),
-            corner: SMatrix::zeros(),
-        };
+        let mut rim =
+            Self { columns: std::array::from_fn(|_| vec![0.0; length]), corner: SMatrix::zeros() };
         for joint in &scenery.reference.edges {
             let Some(act) = scenery.edge(joint, pose) else { continue };
             let Other::Wall(b) = joint.second else { continue };
@@ -91,7 +89,8 @@ impl Rim {
             self.corner[(side, SIDES)] += cross;
             self.corner[(SIDES, side)] += cross;
             let (turned, bent) = (left_of(local) * growth(body), local * (rate * rate));
-            self.corner[(SIDES, SIDES)] += pull.dot(&(turned - bent)) + turn * radius * growth(body);
+            self.corner[(SIDES, SIDES)] +=
+                pull.dot(&(turned - bent)) + turn * radius * growth(body);
         }
         for (b, way) in ways.iter().enumerate() {
             let mut pushed = vec![0.0; way.len()];
@@ -157,12 +156,8 @@ fn second(
         from.dot(&t_1) - way.dot(&t) + arm * rate,
     ]);
     // ∂²h and ∂²s: over x and γ, over the way of the side and γ, over γ twice.
-    let closing = [
-        -n_1.x,
-        -n_1.y,
-        across.dot(&n) + slide.dot(&n_1),
-        2.0 * way.dot(&n_1) - from.dot(&n_2),
-    ];
+    let closing =
+        [-n_1.x, -n_1.y, across.dot(&n) + slide.dot(&n_1), 2.0 * way.dot(&n_1) - from.dot(&n_2)];
     let shearing = [
         t_1.x,
         t_1.y,

@@ -86,9 +86,8 @@ impl Leaning {
 
     /// b_l·S b_m/V \[Pa\].
     pub(super) fn over_strains(&self, stiff: &SMatrix<f64, MOTIONS, MOTIONS>) -> Matrix3<f64> {
-        let motion = SMatrix::<f64, MOTIONS, STRAINS>::from_columns(
-            &[0, 1, 2].map(|m| self.motion(m)),
-        );
+        let motion =
+            SMatrix::<f64, MOTIONS, STRAINS>::from_columns(&[0, 1, 2].map(|m| self.motion(m)));
         motion.transpose() * stiff * motion / self.volume()
     }
 

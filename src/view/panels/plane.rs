@@ -190,8 +190,10 @@ pub(super) fn mohr(run: &Run) -> Chart {
     let strength = Theory::at_start(run, 1.0).and_then(|predicted| predicted.strength);
     let last = circles.len().saturating_sub(1);
     let materials: Vec<Failures> = (circles.iter().enumerate())
-        .map(|(place, (name, states))| {
-            Failures { name, states, strength: strength.filter(|_| place == last) }
+        .map(|(place, (name, states))| Failures {
+            name,
+            states,
+            strength: strength.filter(|_| place == last),
         })
         .collect();
     let notes = strength.map(|_| "Dashed: strength of the bonds (A.90-A.95).".into());

@@ -75,7 +75,11 @@ pub(super) fn chart(run: &Run, test: Option<&Test<'_>>) -> Chart {
         let secants = run.moduli.iter().filter(|one| one.increment > 0 && one.bulk > 0.0);
         // Mean stress at the middle of the increment.
         let middle = |increment: u64| 0.5 * (at(increment) + at(increment - 1));
-        series = vec![dots(2, "K of the increment", secants.map(|one| [middle(one.increment), one.bulk]))];
+        series = vec![dots(
+            2,
+            "K of the increment",
+            secants.map(|one| [middle(one.increment), one.bulk]),
+        )];
     }
     if let Some((at, young)) = test.and_then(half) {
         series.push(dots(3, "E50 of the test", [[at, young]]));
