@@ -3,16 +3,16 @@
 //!
 //! With x the freedoms of the grains and b the inward displacements of the four sides and the tilt, the
 //! potential of the increment has the derivative F over b, the forces on the sides and the moment on the
-//! tilt, and the second derivatives K over x, C over x and b ([`rim`]) and D over b. The grains follow by
+//! tilt, and the second derivatives K over x, C over x and b (`rim`) and D over b. The grains follow by
 //! z, and
 //!
 //! ```text
 //! K z = -C,    S = ∂F/∂b = D + Cᵀ z
 //! ```
 //!
-//! K is that of Newton's method ([`super::slope`]) without the secants that it takes of contacts which
-//! turn round. It is factorised once, with a shift that [`response`] takes out again: a grain that slides
-//! at all its contacts turns freely. The moduli of the box follow from S ([`strain`]).
+//! K is that of Newton's method ([`slope`](super::slope)) without the secants that it takes of contacts which
+//! turn round. It is factorised once, with a shift that the responses have taken out again: a grain that slides
+//! at all its contacts turns freely. The moduli of the box follow from S (`strain`).
 
 mod rim;
 mod strain;
@@ -210,7 +210,7 @@ impl<'a> Place<'a> {
             slope.multiply(&trial, (self.scenery.reference, &[]), &mut next);
             glue::clear(glued, &mut next);
             // Rounding, or a direction that nothing holds and something pushes.
-            if !(longest(&next) < before) {
+            if longest(&next) >= before {
                 break;
             }
             (way, left) = (trial, next);
@@ -292,16 +292,12 @@ fn turns(model: &Model) -> bool {
 
 /// Takes the turns out of the derivative, which locked grains do not have.
 fn lock(slope: &mut Slope) {
-    let idle = slope.idle;
     let turn = FREEDOMS - 1;
-    for (of_grain, block) in (slope.matrix.diagonal.iter_mut().map(|block| (true, block)))
-        .chain(slope.matrix.pairs.iter_mut().map(|block| (false, block)))
-    {
-        for a in 0..FREEDOMS {
-            (block[a][turn], block[turn][a]) = (0.0, 0.0);
-        }
-        block[turn][turn] = if of_grain { idle } else { 0.0 };
+    for block in slope.matrix.diagonal.iter_mut().chain(&mut slope.matrix.pairs) {
+        block.iter_mut().for_each(|row| row[turn] = 0.0);
+        block[turn].fill(0.0);
     }
+    slope.matrix.diagonal.iter_mut().for_each(|block| block[turn][turn] = slope.idle);
 }
 
 /// The same in a list of three numbers a grain.

@@ -6,7 +6,7 @@ use std::mem;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
-use super::run::plane::Contacts;
+use super::run::plane::grains::Contacts;
 use super::run::{Measure, Run};
 use crate::msg::Described;
 use crate::msg::cdr;

@@ -2,7 +2,6 @@
 
 use nalgebra::Matrix3;
 
-use super::UNKNOWN;
 use crate::measure::row_major;
 use crate::relax::tangent::Stiffness;
 use crate::report::TangentModuli;
@@ -39,7 +38,6 @@ pub(super) fn moduli(stiffness: &Stiffness, density: f64) -> TangentModuli {
         p_speed: [speed(c[(0, 0)]), speed(c[(1, 1)]), f64::NAN],
         s_speed: [speed(if sheared { along } else { across }), f64::NAN, f64::NAN],
         isotropy_index: isotropy(c, lame, shear, sheared),
-        ..UNKNOWN
     }
 }
 

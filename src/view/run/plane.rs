@@ -1,13 +1,13 @@
 //! What a recording tells of discs: their states, and pictures of the first and the last equilibrium
 //! of which it holds both the grains and the contacts.
 
-mod grains;
+pub(in crate::view) mod grains;
 
 use std::collections::HashMap;
 
 use crate::msg::picture::PointField;
 use crate::msg::{ContactNetwork, PlaneState, PointCloud2};
-pub use grains::Contacts;
+use grains::Contacts;
 
 /// The discs of one run.
 #[derive(Debug, Default)]

@@ -10,7 +10,7 @@ use crate::analytic::strength::MohrCoulomb;
 use crate::msg::PlaneState;
 use crate::view::chart::{Chart, Pattern, Series};
 use crate::view::run::Run;
-use crate::view::run::plane::Contacts;
+use crate::view::run::plane::grains::Contacts;
 use crate::view::scale::Axis;
 use crate::view::unit::Unit;
 
@@ -30,10 +30,8 @@ impl Theory {
     /// Under the mean stress `stress` \[Pa\].
     pub(super) fn of(contacts: &Contacts, state: &PlaneState, stress: f64) -> Option<Self> {
         let density = state.contact_density;
-        if !(density > 0.0 && stress > 0.0) {
-            return None;
-        }
-        Some(match *contacts {
+        let known = density > 0.0 && stress > 0.0;
+        known.then(|| match *contacts {
             Contacts::Hertz { shear_modulus, poisson } => {
                 let reference = sand::reference_modulus(shear_modulus, poisson, density);
                 let kappa = crate::analytic::contact::stiffness_ratio(poisson);
