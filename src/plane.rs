@@ -25,6 +25,7 @@ mod floating;
 mod gauss_seidel;
 pub mod glue;
 pub mod law;
+pub mod lean;
 mod line;
 mod loads;
 pub mod matrix;
@@ -36,6 +37,7 @@ pub mod pressed;
 pub mod reference;
 pub mod setup;
 pub mod slope;
+pub mod tangent;
 mod work;
 
 pub use cell::Cell;

@@ -73,8 +73,10 @@ pub struct Twin {
     spent: Effort,
     /// What the walls do from the start on.
     targets: [WallTarget; wall::COUNT],
-    /// Where the grains were, when the scene lets their motion be measured.
+    /// Where the grains were, when the scene lets their motion be measured, or they are discs.
     past: Option<Past>,
+    /// Whether the scene lets their motion be measured.
+    tells_motion: bool,
     /// Whether pictures of the grains show their motion.
     shows_motion: bool,
     /// Share of the contacts that make the force chains.
@@ -130,6 +132,7 @@ impl Twin {
             spent: Effort::default(),
             targets: scene.walls.targets.in_order(),
             shows_motion: scene.view.color.is_of_motion(),
+            tells_motion: scene.outputs.grain_motion != When::Never,
             past: (scene.dimension == 2 || scene.outputs.grain_motion != When::Never)
                 .then(Past::default),
             chain_share: scene.outputs.chain_share,

@@ -16,6 +16,24 @@ pub fn reference_modulus(shear_modulus: f64, poisson: f64, contact_density: f64)
     base.powf(2.0 / 3.0) * 2.0 * kappa / (kappa + 1.0)
 }
 
+/// E \[Pa\] and ν of the first bit of a strain at the mean stress `mean_stress` \[Pa\], when every grain moves
+/// with the strain of the pack and no contact slides: [`super::cemented::uniform`] with the tangent stiffness of the contacts
+/// under their mean force, 3/2 of the secant that A.89 has.
+#[must_use]
+pub fn first(
+    shear_modulus: f64,
+    poisson: f64,
+    contact_density: f64,
+    mean_stress: f64,
+) -> super::hooke::Hooke {
+    let kappa = super::contact::stiffness_ratio(poisson);
+    // n_c/v kn/d̄ of A.80 in E_ref.
+    let secant = young(reference_modulus(shear_modulus, poisson, contact_density), mean_stress)
+        * (kappa + 1.0)
+        / kappa;
+    super::cemented::uniform(1.0, 1.5 * secant, 1.0, kappa / 1.5)
+}
+
 /// E50 \[Pa\] at the mean stress σ0 \[Pa\] (A.89): 1.5 σ3 where half of σ1/σ3 = 3 is reached.
 #[must_use]
 pub fn young(reference_modulus: f64, mean_stress: f64) -> f64 {

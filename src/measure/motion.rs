@@ -11,6 +11,7 @@ pub mod localisation;
 
 use crate::Vec3;
 use crate::model::Model;
+use crate::plane::lean::Lean;
 use crate::relax::jump::Pose;
 use crate::report::GrainMotion;
 use crate::state::State;
@@ -29,6 +30,7 @@ pub fn motion(model: &Model, before: &Pose, state: &State) -> GrainMotion {
         displacement: &displacement,
         radius: &model.radius,
         carries: &state.carries,
+        plane: model.plane.is_some(),
     });
     let order = &model.order;
     let motion = GrainMotion {
@@ -43,9 +45,27 @@ pub fn motion(model: &Model, before: &Pose, state: &State) -> GrainMotion {
         localisation: localisation::UNKNOWN,
     };
     let position: Vec<[f64; 3]> = filed(order, before.position.iter().map(|&at| at.into()));
-    let bounds = [*before.bounds(model), *state.bounds(model)];
-    let localisation = localisation::of(&motion, &position, bounds);
+    let plane = model.plane.is_some();
+    let localisation = match plane {
+        false => {
+            let bounds = [*before.bounds(model), *state.bounds(model)];
+            localisation::of(&motion, &position, &localisation::stretch(&bounds), plane)
+        }
+        true => localisation::of(&motion, &position, &with_box(model, before, state), plane),
+    };
     GrainMotion { localisation, ..motion }
+}
+
+/// How the box takes discs along, seen from its middle.
+fn with_box(model: &Model, before: &Pose, state: &State) -> impl Fn(&[f64; 3]) -> [f64; 3] {
+    let middle = Lean::new(model, &before.bounds(model), before.tilt).middle;
+    let middle = Vec3::new(middle.x, middle.y, 0.0);
+    let carry = before.carry(model, state);
+    let shift = carry(&middle) - middle;
+    move |at| {
+        let at = Vec3::from(*at);
+        (carry(&at) - at - shift).into()
+    }
 }
 
 /// `values` in the solver's order as the pack file counts the grains; nothing of nothing.

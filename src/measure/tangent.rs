@@ -1,5 +1,7 @@
 //! Moduli from a tangent stiffness: the isotropic body closest to it, and how far that is.
 
+mod plane;
+
 use nalgebra::Matrix3;
 
 use crate::measure::row_major;
@@ -7,9 +9,10 @@ use crate::relax::tangent::{Stiffness, Tangent};
 use crate::report::{self, Moduli, TangentModuli};
 use crate::wall;
 
-/// The moduli of `tangent` for a pack of bulk density `density` \[kg/m³\].
+/// The moduli of `tangent` for a pack of bulk density `density` \[kg/m³\], of spheres or in the `plane`.
 #[must_use]
-pub fn report(tangent: &Tangent, density: f64) -> report::Tangent {
+pub fn report(tangent: &Tangent, density: f64, plane: bool) -> report::Tangent {
+    let moduli = if plane { plane::moduli } else { moduli };
     let of = |stiffness: &Option<Stiffness>| match stiffness {
         Some(stiffness) => moduli(stiffness, density),
         None => UNKNOWN,

@@ -159,6 +159,24 @@ impl Reference {
         any
     }
 
+    /// Makes every contact that can rub stick, whatever its limit.
+    pub fn stick(&mut self) {
+        for joint in self.pairs.iter_mut().chain(&mut self.edges) {
+            if joint.shear.limit > 0.0 {
+                joint.shear.limit = f64::INFINITY;
+            }
+        }
+    }
+
+    /// Makes contacts without friction smooth: where nothing is sheared as yet they would stick.
+    pub fn smooth(&mut self) {
+        for joint in self.pairs.iter_mut().chain(&mut self.edges) {
+            if joint.shear.limit == 0.0 {
+                joint.shear.stiffness = 0.0;
+            }
+        }
+    }
+
     /// Renews the limit and the stiffness of every contact with its present overlap `overlap(joint)`
     /// \[m\]; says by how much the largest limit changed \[N\].
     pub fn renew(&mut self, model: &Model, overlap: impl Fn(&Joint) -> f64) -> f64 {

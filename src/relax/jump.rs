@@ -3,6 +3,7 @@
 use crate::Vec3;
 use crate::heap;
 use crate::model::Model;
+use crate::plane::lean::Lean;
 use crate::relax::balance::Balance;
 use crate::state::{Dissociated, State};
 use crate::wall::{self, Room};
@@ -21,6 +22,8 @@ pub struct Pose {
     pub rotation: Vec<Vec3>,
     /// Inward displacement of the walls since the start \[m\].
     pub displacement: [f64; wall::COUNT],
+    /// Shear by which a box of discs leans.
+    pub tilt: f64,
     /// What had happened to the grains.
     pub dissociated: Dissociated,
 }
@@ -31,16 +34,29 @@ impl Pose {
         self.position.clone_from(&state.position);
         self.rotation.clone_from(&state.rotation);
         self.displacement = state.displacement;
+        self.tilt = state.tilt;
         self.dissociated = state.dissociated;
     }
 
     /// How far each grain of `state` is from here, but for where the walls took it along \[m\].
     pub fn moved<'a>(&'a self, model: &Model, state: &'a State) -> impl Iterator<Item = Vec3> + 'a {
+        let carry = self.carry(model, state);
+        state.position.iter().zip(&self.position).map(move |(at, from)| at - carry(from))
+    }
+
+    /// Where the walls on their way to where `state` has them take what is at a place.
+    pub fn carry(&self, model: &Model, state: &State) -> impl Fn(&Vec3) -> Vec3 + use<> {
         let (before, after) = (self.bounds(model), state.bounds(model));
-        let stands = self.displacement == state.displacement;
+        let stands = self.displacement == state.displacement && self.tilt == state.tilt;
         let carried = Carried::new(&before, &after);
-        let from = self.position.iter().map(move |at| if stands { *at } else { carried.to(at) });
-        state.position.iter().zip(from).map(|(at, from)| at - from)
+        let leans = self.tilt != 0.0 || state.tilt != 0.0;
+        let [from, to] = [(&before, self.tilt), (&after, state.tilt)]
+            .map(|(bounds, tilt)| Lean::new(model, bounds, tilt));
+        move |at| match (stands, leans) {
+            (true, _) => *at,
+            (false, true) => from.carry(&to, at),
+            (false, false) => carried.to(at),
+        }
     }
 
     /// That of `state`.

@@ -55,7 +55,7 @@ const ANOTHER: f64 = 10.0;
 /// Stiffness of a pack between its walls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stiffness {
-    /// dσ_l/dε_m \[Pa\], the grains in balance.
+    /// dσ_l/dε_m \[Pa\], the grains in balance; of discs over xx, yy and γ = 2 εxy.
     pub relaxed: Matrix3<f64>,
     /// The same with the grains moving affinely, without turning.
     pub affine: Matrix3<f64>,
@@ -67,7 +67,7 @@ pub struct Stiffness {
 
 impl Stiffness {
     /// Of a pack that carries nothing.
-    const NONE: Self = Self {
+    pub(crate) const NONE: Self = Self {
         relaxed: Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
         affine: Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
         walls: Matrix6::from_array_storage(nalgebra::ArrayStorage([[0.0; 6]; 6])),

@@ -16,12 +16,13 @@ pub struct GrainMotion {
     /// friction.
     pub total_rotation: Vec<[f64; 3]>,
     /// D²min, what the best affine motion of the neighbourhood leaves, over the number of
-    /// neighbours \[m²\]. NaN where there are fewer than four or they do not span the space.
+    /// neighbours \[m²\]. NaN where there are fewer than four or they do not span the space, of discs
+    /// fewer than three or they do not span the plane.
     pub d2min: Vec<f64>,
     /// Local shear strain √(½ e:e) of the deviator e of the Green-Lagrange strain, half the
     /// engineering shear; NaN as above.
     pub shear_strain: Vec<f64>,
-    /// Local loss of volume over volume, compression positive; NaN as above.
+    /// Local loss of volume over volume, of discs of area over area, compression positive; NaN as above.
     pub volumetric_strain: Vec<f64>,
     /// Whether the grain carries load at the end; the others float.
     pub carries: Vec<bool>,
@@ -55,7 +56,8 @@ pub struct Localisation {
 }
 
 /// Where the tenth of the grains with the largest local shear strain lies, against all that carry
-/// load. NaN when it is fewer than four grains, nothing was sheared, or all grains lie in a plane.
+/// load. NaN when it is fewer than four grains, nothing was sheared, or all grains lie in a plane. Of discs
+/// the plane is a line, three grains are enough, z is 0 and the third spread NaN.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Band {
     /// Their centre \[m\].

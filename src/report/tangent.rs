@@ -24,7 +24,8 @@ pub struct TangentModuli {
     pub valid: bool,
     /// Estimate of the relative error that solving for the balance leaves, of the largest entry.
     pub error: f64,
-    /// dσ_l/dε_m over xx, yy, zz, row major \[Pa\], the grains in balance.
+    /// dσ_l/dε_m over xx, yy, zz, row major \[Pa\], the grains in balance; of discs over xx, yy and the shear
+    /// γ = 2 εxy of the box. What is along z is NaN for discs in all that follows, the stiffness of walls 0.
     pub relaxed: [f64; 9],
     /// The same with the grains moving affinely with the walls, without turning \[Pa\].
     pub affine: [f64; 9],

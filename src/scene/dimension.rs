@@ -3,7 +3,7 @@
 mod path;
 
 use super::check::{Field, Problems};
-use super::{Axis, Friction, Law, Method, Normal, Rotation, Scene, Step, When, prepare};
+use super::{Axis, Friction, Law, Method, Normal, Rotation, Scene, Step, prepare};
 
 pub(super) fn check(scene: &Scene, problems: &mut Problems) {
     let at = Field::root();
@@ -63,8 +63,12 @@ pub(super) fn check(scene: &Scene, problems: &mut Problems) {
         );
         not(at.key("solver").key("method"), &text);
     }
-    if scene.outputs.moduli.takes_tangent() {
-        let text = "tangent moduli are for spheres; allowed in the plane: secant, none";
+    if scene.outputs.moduli.takes_tangent() && !scene.walls.is_plain() {
+        let text = "tangent moduli are those of a box of straight walls; allowed: secant, none";
+        not(at.key("outputs").key("moduli"), text);
+    }
+    if scene.outputs.moduli.takes_tangent() && scene.solver.sweeps.is_some() {
+        let text = "tangent moduli are those of an equilibrium; allowed with sweeps: secant, none";
         not(at.key("outputs").key("moduli"), text);
     }
     if scene.pack.hydrate.is_some() {
@@ -83,10 +87,6 @@ pub(super) fn check(scene: &Scene, problems: &mut Problems) {
     if scene.gravity[2] != 0.0 {
         let text = "there is no z in the plane; allowed: 0";
         not(at.key("gravity").index(2), text);
-    }
-    if scene.outputs.grain_motion == When::Always {
-        let text = "the motion of grains is for spheres; allowed in the plane: never";
-        not(at.key("outputs").key("grain_motion"), text);
     }
     path::check(&scene.load_path.0, &at.key("load_path"), problems);
     path::targets(&scene.walls.targets, &at.key("walls").key("targets"), problems);

@@ -117,18 +117,20 @@ impl PointSides {
     }
 }
 
-/// Whether these are the walls of a box and nothing else.
-fn is_plain(walls: &Walls) -> bool {
-    walls.cell == Cell::Box
-        && walls.points.is_empty()
-        && walls.open.is_empty()
-        && walls.membranes.is_empty()
+impl Walls {
+    /// Whether these are the walls of a box and nothing else.
+    pub(super) fn is_plain(&self) -> bool {
+        self.cell == Cell::Box
+            && self.points.is_empty()
+            && self.open.is_empty()
+            && self.membranes.is_empty()
+    }
 }
 
 /// What a scene of spheres, or of discs, cannot have of it.
 pub(super) fn check(scene: &Scene, problems: &mut Problems) {
     let Scene { walls, load_path: path, .. } = scene;
-    if is_plain(walls) {
+    if walls.is_plain() {
         return;
     }
     let at = Field::root().key("walls");

@@ -200,9 +200,15 @@ impl Twin {
             return None;
         }
         let Self { model, state, work, pool, .. } = self;
-        let found = pool.install(|| tangent::tangent(model, state, work, &reached.outcome));
+        let found = pool.install(|| match &model.plane {
+            None => tangent::tangent(model, state, work, &reached.outcome),
+            Some(_) => {
+                plane::tangent::tangent(model, state, &work.plane, &work.neighbours, reached)
+            }
+        });
         self.spent.products += found.products;
-        Some(measure::tangent::report(&found, density(model, state.volume(model))))
+        let density = density(model, state.volume(model));
+        Some(measure::tangent::report(&found, density, model.plane.is_some()))
     }
 
     /// How the grains moved in the present increment; `None` when the scene says that nobody will
@@ -210,7 +216,7 @@ impl Twin {
     #[must_use]
     pub fn motion(&self) -> Option<GrainMotion> {
         let Self { model, state, past, pool, .. } = self;
-        let before = past.as_ref().filter(|_| model.plane.is_none())?.before();
+        let before = past.as_ref().filter(|_| self.tells_motion)?.before();
         Some(pool.install(|| motion::motion(model, before, state)))
     }
 

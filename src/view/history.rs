@@ -6,6 +6,7 @@ use std::mem;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
+use super::run::plane::grains::Contacts;
 use super::run::{Measure, Run};
 use crate::msg::Described;
 use crate::msg::cdr;
@@ -62,6 +63,9 @@ impl History {
             }
         }
         history.end_run();
+        if history.run.is_plane() {
+            history.run.plane.contacts = Contacts::read(bag);
+        }
         Ok(history)
     }
 

@@ -113,3 +113,18 @@ fn compression_follows_its_tangent() {
         close(slope, Hooke { young, poisson }.compression_modulus(), 1e-6);
     }
 }
+
+#[test]
+fn the_first_strain_of_sand_meets_the_tangents_of_its_contacts() {
+    // Contacts in all directions alike carry F = 2 σ d̄²/n_c/v each under the isotropic stress σ.
+    let (shear, poisson, density, stress, diameter) = (1e9, 0.16, 2.1, 3e5, 2e-4);
+    let force = 2.0 * stress * diameter * diameter / density;
+    let modulus = contact::hertz_modulus(shear, poisson, 0.5 * diameter);
+    let across = 1.5 * modulus.powf(2.0 / 3.0) * force.cbrt();
+    let along = contact::shear_stiffness(shear, poisson, 0.5 * diameter, force);
+    let found = sand::first(shear, poisson, density, stress);
+    let bulk = density * across / (4.0 * diameter);
+    let slope = density * (across + along) / (8.0 * diameter);
+    assert!((found.bulk_modulus() / bulk - 1.0).abs() < 1e-12, "{found:?} {bulk:e}");
+    assert!((found.shear_modulus() / slope - 1.0).abs() < 1e-12, "{found:?} {slope:e}");
+}

@@ -61,7 +61,7 @@ impl Cluster {
 
     fn deformations(&self) -> Vec<Deformation> {
         let Self { position, displacement, radius, carries } = self;
-        deformations(&Grains { position, displacement, radius, carries })
+        deformations(&Grains { position, displacement, radius, carries, plane: false })
     }
 
     /// Those of grains with enough neighbours, which all but some at corners have.
@@ -282,7 +282,7 @@ proptest! {
             sites.iter().map(|site| place(&site.map(f64::from)).into()).collect();
         let strain = |site: &[u32; 3]| if site[2] == layer || site[2] == layer + 1 { 1.0 } else { 0.1 };
         let motion = sheared(sites.iter().map(strain).collect());
-        let found = band::of(&motion, &position);
+        let found = band::of(&motion, &position, false);
         // Planes of equal z become planes whose normal goes as A⁻ᵀ does, 1/|A⁻ᵀ ẑ| apart.
         let normal = shape.try_inverse().unwrap().transpose() * Vec3::z();
         let apart = 1.0 / normal.norm();
@@ -307,12 +307,12 @@ fn strain_that_lies_anywhere_is_no_band_in_a_flat_box() {
     let count = 20_000;
     let position: Vec<[f64; 3]> =
         (0..count).map(|_| [random.next(), 4.0 * random.next(), 0.2 * random.next()]).collect();
-    let found = band::of(&sheared((0..count).map(|_| random.next()).collect()), &position);
+    let found = band::of(&sheared((0..count).map(|_| random.next()).collect()), &position, false);
     // 2000 of them: their moments are known to about 1/√2000.
     assert!(found.spread.iter().all(|spread| (spread - 1.0).abs() < 0.06), "{found:?}");
     let unknown = |strains: Vec<f64>| {
         let position: Vec<[f64; 3]> = position[..strains.len()].to_vec();
-        band::of(&sheared(strains), &position).thickness.is_nan()
+        band::of(&sheared(strains), &position, false).thickness.is_nan()
     };
     assert!(unknown(vec![0.0; 100]), "nothing was sheared");
     assert!(unknown(vec![1.0; 30]), "three grains lie in a plane");

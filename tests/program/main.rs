@@ -20,3 +20,4 @@ mod plotted;
 #[cfg(feature = "mcap")]
 #[path = "../common/python.rs"]
 mod python;
+mod stiffness;

@@ -15,12 +15,14 @@ use crate::contact::cells::Cells;
 /// closer than 1.5 diameters: the first shell of neighbours, and the gap behind it.
 pub const GAP: f64 = 1.0;
 
-/// Largest tr Y tr Y⁻¹ of neighbours that span the space: 9 when they lie around the grain evenly,
-/// this when they are within a hundredth of their distance from a plane.
+/// Largest tr Y tr Y⁻¹ of neighbours that span the space: 9 when they lie around the grain evenly (4 in
+/// the plane), this when they are within a hundredth of their distance from a plane (a line).
 const FLAT: f64 = 1e4;
 
-/// Fewer neighbours, if they span the space, fix the gradient and leave nothing whatever they do.
+/// Fewer neighbours, if they span the space or the plane, fix the gradient and leave nothing whatever they
+/// do.
 const LEAST: usize = 4;
+const LEAST_IN_PLANE: usize = 3;
 
 /// Grains that a task takes.
 const CHUNK: usize = 256;
@@ -37,6 +39,8 @@ pub struct Grains<'a> {
     /// Whether the grain counts as a neighbour. Where grains float that carry no load is not
     /// mechanics.
     pub carries: &'a [bool],
+    /// Whether they are discs, all with z = 0.
+    pub plane: bool,
 }
 
 /// Deformation of the neighbourhood of a grain.
@@ -46,12 +50,12 @@ pub struct Deformation {
     pub d2min: f64,
     /// √(½ e:e), e the deviator of the Green-Lagrange strain.
     pub shear_strain: f64,
-    /// 1 - det F: loss of volume over volume.
+    /// 1 - det F: loss of volume, of discs of area, over what it was.
     pub volumetric_strain: f64,
 }
 
 impl Deformation {
-    /// Of a grain whose neighbours do not span the space, or are fewer than four.
+    /// Of a grain whose neighbours do not span the space or the plane, or are too few.
     pub const UNKNOWN: Self =
         Self { d2min: f64::NAN, shear_strain: f64::NAN, volumetric_strain: f64::NAN };
 }
@@ -71,7 +75,7 @@ pub fn deformations(grains: &Grains<'_>) -> Vec<Deformation> {
         for (k, deformation) in deformations.iter_mut().enumerate() {
             let i = chunk * CHUNK + k;
             grains.neighbours(&cells, i, gap, &mut near);
-            *deformation = deformation_of(&near);
+            *deformation = deformation_of(&near, grains.plane);
         }
     });
     deformations
@@ -102,8 +106,8 @@ impl Grains<'_> {
     }
 }
 
-fn deformation_of(near: &[Neighbour]) -> Deformation {
-    if near.len() < LEAST {
+fn deformation_of(near: &[Neighbour], plane: bool) -> Deformation {
+    if near.len() < if plane { LEAST_IN_PLANE } else { LEAST } {
         return Deformation::UNKNOWN;
     }
     let (mut moved, mut shape) = (Matrix3::zeros(), Matrix3::zeros());
@@ -112,8 +116,7 @@ fn deformation_of(near: &[Neighbour]) -> Deformation {
         moved += neighbour.moved * from;
         shape += neighbour.from * from;
     }
-    let Some(inverse) = shape.try_inverse() else { return Deformation::UNKNOWN };
-    let evenness = shape.trace() * inverse.trace();
+    let Some((inverse, evenness)) = inverse(shape, plane) else { return Deformation::UNKNOWN };
     if !(0.0..FLAT).contains(&evenness) {
         return Deformation::UNKNOWN;
     }
@@ -121,7 +124,10 @@ fn deformation_of(near: &[Neighbour]) -> Deformation {
     let gradient = moved * inverse;
     let left = |n: &Neighbour| (n.moved - gradient * n.from).norm_squared();
     let strain = 0.5 * (gradient + gradient.transpose() + gradient.transpose() * gradient);
-    let deviator = strain - Matrix3::identity() * (strain.trace() / 3.0);
+    let deviator = match plane {
+        false => strain - Matrix3::identity() * (strain.trace() / 3.0),
+        true => strain - IN_PLANE * (strain.trace() / 2.0),
+    };
     // det(1 + G) - 1, expanded, since 1 would take the digits of small strains.
     let trace = gradient.trace();
     let second = 0.5 * (trace * trace - (gradient * gradient).trace());
@@ -130,4 +136,21 @@ fn deformation_of(near: &[Neighbour]) -> Deformation {
         shear_strain: (0.5 * deviator.norm_squared()).sqrt(),
         volumetric_strain: -(trace + second + gradient.determinant()),
     }
+}
+
+/// What is isotropic in the plane.
+const IN_PLANE: Matrix3<f64> = Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0);
+
+/// Y⁻¹ of Y = `shape`, that over x and y in the `plane`, and tr Y tr Y⁻¹.
+fn inverse(mut shape: Matrix3<f64>, plane: bool) -> Option<(Matrix3<f64>, f64)> {
+    let trace = shape.trace();
+    if plane {
+        // Nothing is at other z, nor moves there: any spread does.
+        shape[(2, 2)] = trace;
+    }
+    let mut inverse = shape.try_inverse()?;
+    if plane {
+        inverse[(2, 2)] = 0.0;
+    }
+    Some((inverse, trace * inverse.trace()))
 }

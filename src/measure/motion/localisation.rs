@@ -17,15 +17,21 @@ pub(super) const UNKNOWN: Localisation = Localisation {
     band: Band::UNKNOWN,
 };
 
-/// Of `motion` from `position` \[m\], while the box went from the first of `bounds` to the second.
+/// Of `motion` from `position` \[m\], of spheres or in the `plane`; `affine` tells how the box takes a
+/// place along, seen from its middle.
 #[must_use]
-pub fn of(motion: &GrainMotion, position: &[[f64; 3]], bounds: [Bounds; 2]) -> Localisation {
+pub fn of(
+    motion: &GrainMotion,
+    position: &[[f64; 3]],
+    affine: &dyn Fn(&[f64; 3]) -> [f64; 3],
+    plane: bool,
+) -> Localisation {
     let carries = &motion.carries;
     let of_carriers = |vectors: &[[f64; 3]]| -> Vec<f64> {
         carriers(carries, vectors.iter().map(squared)).collect()
     };
     let affine: Vec<f64> =
-        carriers(carries, position.iter().map(|at| squared(&affine(at, &bounds)))).collect();
+        carriers(carries, position.iter().map(|at| squared(&affine(at)))).collect();
     let non_affine = of_carriers(&motion.non_affine);
     let rotation = of_carriers(&motion.rotation);
     let d2min: Vec<f64> =
@@ -41,7 +47,7 @@ pub fn of(motion: &GrainMotion, position: &[[f64; 3]], bounds: [Bounds; 2]) -> L
         rotation_participation: participation(&rotation),
         d2min_top_1: share_of_largest(&d2min, 0.01),
         d2min_top_10: share_of_largest(&d2min, 0.1),
-        band: band::of(motion, position),
+        band: band::of(motion, position, plane),
     }
 }
 
@@ -57,14 +63,16 @@ fn squared(vector: &[f64; 3]) -> f64 {
     vector.iter().map(|component| component * component).sum()
 }
 
-/// Where the box takes what was at `at`, seen from its centre: its stretch alone, whichever of two
-/// opposite walls moved.
-fn affine(at: &[f64; 3], [before, after]: &[Bounds; 2]) -> [f64; 3] {
-    let (from, to) = (before.sides(), after.sides());
-    std::array::from_fn(|axis| {
-        let centre = 0.5 * (before.min[axis] + before.max[axis]);
-        (to[axis] - from[axis]) / from[axis] * (at[axis] - centre)
-    })
+/// Where a box that goes from the first of these to the second takes what was at a place, seen from its
+/// centre: its stretch alone, whichever of two opposite walls moved.
+pub(super) fn stretch([before, after]: &[Bounds; 2]) -> impl Fn(&[f64; 3]) -> [f64; 3] {
+    let (from, to, before) = (before.sides(), after.sides(), *before);
+    move |at| {
+        std::array::from_fn(|axis| {
+            let centre = 0.5 * (before.min[axis] + before.max[axis]);
+            (to[axis] - from[axis]) / from[axis] * (at[axis] - centre)
+        })
+    }
 }
 
 /// Root of the mean of `squares`; NaN of none.

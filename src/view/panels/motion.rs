@@ -58,7 +58,10 @@ pub(super) fn localisation(run: &Run, strain: &Strain) -> Chart {
 
 /// How the most sheared grains lie.
 pub(super) fn band(run: &Run, strain: &Strain) -> Chart {
-    let names = ["across the plane they lie in", "along it", "along it, the other way"];
+    let names: &[&str] = match run.is_plane() {
+        false => &["across the plane they lie in", "along it", "along it, the other way"],
+        true => &["across the line they lie on", "along it"],
+    };
     let line = |(k, name): (usize, &&str)| {
         series(k, name, run, strain, move |motion| motion.band_spread[k])
     };
@@ -68,8 +71,7 @@ pub(super) fn band(run: &Run, strain: &Strain) -> Chart {
         y: Axis::linear("spread over that of all grains", Unit::None),
         series: names.iter().enumerate().map(line).collect(),
         notes: vec![
-            "A shear band has a small spread across and 1 along; all three are 1 where nothing \
-             localises."
+            "A shear band has a small spread across and 1 along; all are 1 where nothing localises."
                 .into(),
         ],
     }

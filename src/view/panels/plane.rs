@@ -1,6 +1,7 @@
 //! Charts of discs: the biaxial test, directions, Mohr circles, what is told of the interior.
 
 pub(super) mod fields;
+mod stiffness;
 
 use std::f64::consts::TAU;
 
@@ -16,6 +17,7 @@ use crate::view::rose::{self, ByDirection, Predicted};
 use crate::view::run::Run;
 use crate::view::scale::Axis;
 use crate::view::unit::Unit;
+use stiffness::Theory;
 
 /// Axial strain over which the dilatancy is taken.
 const STRETCH: f64 = 0.005;
@@ -33,7 +35,7 @@ pub(super) fn biaxial(run: &Run) -> Vec<Chart> {
     let strained =
         axial_strain.iter().any(|strain| strain - axial_strain[0] > super::strain::LEAST);
     if !strained {
-        return Vec::new();
+        return vec![stiffness::chart(run, None)];
     }
     let area_strain =
         series(|state| state.strain[0] + state.strain[1] - state.strain[0] * state.strain[1]);
@@ -58,7 +60,27 @@ pub(super) fn biaxial(run: &Run) -> Vec<Chart> {
         }
         None => charts.iter_mut().for_each(|chart| chart.notes.clear()),
     }
+    // E50 at the mean stress of B's (24), 1.5 σ3.
+    if let Some(predicted) = Theory::at_start(run, 1.5 * minor[minor.len() - 1]) {
+        charts[0].notes.push(told(&predicted));
+    }
+    charts.push(stiffness::chart(run, Some(&test)));
     charts
+}
+
+/// One sentence about what theory says of a test.
+fn told(predicted: &Theory) -> String {
+    let Theory { averaged, strength, .. } = predicted;
+    let young = Unit::Si("Pa").written(averaged.young);
+    match strength {
+        None => format!("Predicted: E50 = {young} at 1.5 σ3 (24, A.89)."),
+        Some(strength) => format!(
+            "Predicted: E = {young}, ν = {:.2}, φ' = {:.1}°, c' = {} (A.80-A.95).",
+            averaged.poisson,
+            strength.friction.to_degrees(),
+            Unit::Si("Pa").written(strength.cohesion)
+        ),
+    }
 }
 
 /// The states of discs from which on the stress along x stays what it is at the end.
@@ -165,9 +187,21 @@ pub(super) fn mohr(run: &Run) -> Chart {
             (format!("increment {}", state.increment), [[minor, major]])
         })
         .collect();
-    let materials: Vec<Failures> =
-        circles.iter().map(|(name, states)| Failures { name, states, strength: None }).collect();
-    Chart { title: "Mohr circles of the interior".into(), ..mohr::chart(&materials) }
+    let strength = Theory::at_start(run, 1.0).and_then(|predicted| predicted.strength);
+    let last = circles.len().saturating_sub(1);
+    let materials: Vec<Failures> = (circles.iter().enumerate())
+        .map(|(place, (name, states))| Failures {
+            name,
+            states,
+            strength: strength.filter(|_| place == last),
+        })
+        .collect();
+    let notes = strength.map(|_| "Dashed: strength of the bonds (A.90-A.95).".into());
+    Chart {
+        title: "Mohr circles of the interior".into(),
+        notes: notes.into_iter().collect(),
+        ..mohr::chart(&materials)
+    }
 }
 
 /// The roses of the first and of the last state, side by side.

@@ -1,16 +1,21 @@
 //! What a recording tells of discs: their states, and pictures of the first and the last equilibrium
 //! of which it holds both the grains and the contacts.
 
+pub(in crate::view) mod grains;
+
 use std::collections::HashMap;
 
 use crate::msg::picture::PointField;
 use crate::msg::{ContactNetwork, PlaneState, PointCloud2};
+use grains::Contacts;
 
 /// The discs of one run.
 #[derive(Debug, Default)]
 pub struct Plane {
     /// Increment by increment; empty for spheres.
     pub states: Vec<PlaneState>,
+    /// What their contacts are made of, when the recording tells it.
+    pub contacts: Option<Contacts>,
     /// The first and the last picture, which may be the same.
     pub pictures: Option<[Picture; 2]>,
     /// The last network, whole.
