@@ -16,6 +16,7 @@ mod conjugate_gradient;
 pub mod cool;
 pub mod coupled;
 mod crew;
+pub mod curvature;
 pub mod dissociate;
 mod downhill;
 mod dynamic;

@@ -22,6 +22,7 @@ mod hard;
 mod hysteresis;
 #[path = "../common/increments.rs"]
 mod increments;
+mod membrane_curvature;
 mod membranes;
 mod methods;
 #[path = "../common/packs.rs"]

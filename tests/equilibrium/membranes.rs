@@ -17,15 +17,15 @@ use graintwin::wall::{self, Bounds, WallTarget};
 use crate::packs::{GLASS, Rig, absolute, bead, bits, close, recipe, state};
 
 const KEEP: WallTarget = WallTarget::Keep;
-const R: f64 = 1e-4;
-const ROUGH: &str = "contact: {friction: {coefficient: 0.4}}";
+pub(crate) const R: f64 = 1e-4;
+pub(crate) const ROUGH: &str = "contact: {friction: {coefficient: 0.4}}";
 
 fn scene_of(walls: &str, rest: &str) -> Scene {
     let text = format!("pack: {{file: none.csv}}\nwalls: {{{walls}}}\n{rest}\n");
     scene::parse(&text, "membranes.yaml".as_ref()).unwrap()
 }
 
-fn round_scene(pressure: f64, rest: &str) -> Scene {
+pub(crate) fn round_scene(pressure: f64, rest: &str) -> Scene {
     let walls = format!(
         "cell: {{cylinder: {{}}}}, friction: 0.0, membranes: [x_max], \
          targets: {{x_max: {{stress: {pressure:e}}}}}"
@@ -33,7 +33,13 @@ fn round_scene(pressure: f64, rest: &str) -> Scene {
     scene_of(&walls, &format!("solver: {{tolerance: 1.0e-10}}\n{rest}"))
 }
 
-fn round() -> &'static Pack {
+/// Membranes on two faces of a box.
+pub(crate) fn flat(pressure: f64) -> Scene {
+    let targets = ["y_min", "y_max"].map(|side| format!("{side}: {{stress: {pressure:e}}}"));
+    scene_of(&format!("membranes: [y_min, y_max], targets: {{{}}}", targets.join(", ")), ROUGH)
+}
+
+pub(crate) fn round() -> &'static Pack {
     static PACK: OnceLock<Pack> = OnceLock::new();
     PACK.get_or_init(|| {
         let walls = Walls { cell: Cell::Cylinder(Cylinder::default()), ..Walls::default() };
@@ -57,7 +63,7 @@ fn go(rig: &mut Rig, targets: [WallTarget; wall::COUNT]) -> Measures {
 }
 
 /// Numbers between -1 and 1.
-fn vectors(seed: u64, n: usize) -> Vec<Vec3> {
+pub(crate) fn vectors(seed: u64, n: usize) -> Vec<Vec3> {
     let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
     let mut next = || {
         state ^= state << 13;
@@ -98,11 +104,7 @@ fn the_pull_of_a_membrane_is_the_slope_of_its_potential() {
         pack.grains.iter_mut().for_each(|grain| grain.friction = 0.4);
         pack
     };
-    let flat = scene_of(
-        "membranes: [y_min, y_max], targets: {y_min: {stress: 2.0e6}, y_max: {stress: 2.0e6}}",
-        ROUGH,
-    );
-    for (scene, pack) in [(round_scene(2e6, ROUGH), round()), (flat, &box_pack)] {
+    for (scene, pack) in [(round_scene(2e6, ROUGH), round()), (flat(2e6), &box_pack)] {
         let model = Model::new(pack, &scene);
         let mut state = State::new(&model);
         let mut work = Workspace::new(&model);
@@ -265,11 +267,17 @@ fn the_same_bits_on_any_number_of_threads() {
     assert!([2, 3].iter().all(|&threads| run(threads) == one));
 }
 
-#[test]
-fn a_ring_of_spheres_carries_its_membrane() {
-    const COUNT: usize = 12;
-    let half = (PI / COUNT as f64).sin();
-    let at = 0.9998 * R / half;
+/// Spheres in a ring.
+const COUNT: usize = 12;
+
+/// sin(π/n) of a ring.
+fn half() -> f64 {
+    (PI / COUNT as f64).sin()
+}
+
+/// A ring between an inner wall and a membrane.
+pub(crate) fn ring(rest: &str) -> (Pack, Scene) {
+    let at = 0.9998 * R / half();
     let grains = (0..COUNT).map(|k| {
         let (sin, cos) = (2.0 * PI * k as f64 / COUNT as f64).sin_cos();
         bead([at * cos, at * sin, 0.0], R)
@@ -285,7 +293,15 @@ fn a_ring_of_spheres_carries_its_membrane() {
         "cell: {{cylinder: {{inner: {:e}}}}}, membranes: [x_max], targets: {{x_max: {{stress: 1.0e6}}}}",
         at - 1.0002 * R
     );
-    let (_, report) = Rig::start(&scene_of(&walls, "solver: {tolerance: 1.0e-11}"), &pack);
+    (pack, scene_of(&walls, &format!("solver: {{tolerance: 1.0e-11}}\n{rest}")))
+}
+
+#[test]
+fn a_ring_of_spheres_carries_its_membrane() {
+    let (pack, scene) = ring("");
+    let half = half();
+    let [_, _, height] = pack.bounds.sides();
+    let (_, report) = Rig::start(&scene, &pack);
     assert_eq!(report.disposition, Disposition::Applied, "{}", report.text);
     let measures = report.measures.unwrap();
     let network = measures.network.as_ref().unwrap();
@@ -295,7 +311,7 @@ fn a_ring_of_spheres_carries_its_membrane() {
     for place in &measures.grains.as_ref().unwrap().position {
         // The pressure on the halves of the faces beside a grain.
         let distance = place[0].hypot(place[1]);
-        let face = 2.0 * distance * half * 2.0 * max[2];
+        let face = 2.0 * distance * half * height;
         let out = 1e6 * face * (PI / COUNT as f64).cos();
         close("f", 2.0 * half * force + wall, out, 1e-8);
     }

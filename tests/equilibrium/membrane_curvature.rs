@@ -1,0 +1,164 @@
+//! The curvature of what a membrane presses with, and what Newton's method makes of it.
+
+use graintwin::Vec3;
+use graintwin::model::Model;
+use graintwin::relax::curvature::{Block3, Curvature};
+use graintwin::relax::linear::Inner;
+use graintwin::relax::{Status, Workspace, relax};
+use graintwin::state::State;
+
+use crate::membranes::{ROUGH, flat, ring, round, round_scene, vectors};
+use crate::packs::made;
+
+/// C d of the curvature \[N\] for d \[m\], where blocks count in `stiffness` \[N/m\].
+fn product(curvature: &Curvature, stiffness: f64, d: &[Vec3]) -> Vec<Vec3> {
+    let mut product = vec![Vec3::zeros(); d.len()];
+    let mut add = |i: usize, j: usize, entry: &dyn Fn(usize, usize) -> f32| {
+        for r in 0..3 {
+            let row: f64 = (0..3).map(|c| f64::from(entry(r, c)) * d[j][c]).sum();
+            product[i][r] += stiffness * row;
+        }
+    };
+    for (grain, block) in &curvature.own {
+        add(*grain as usize, *grain as usize, &|r, c| block[r][c]);
+    }
+    for ([i, j], block) in &curvature.pairs {
+        let [i, j] = [*i as usize, *j as usize];
+        add(i, j, &|r, c| block[r][c]);
+        add(j, i, &|r, c| block[c][r]);
+    }
+    product
+}
+
+#[test]
+fn the_curvature_of_a_membrane_is_the_slope_of_its_pull() {
+    let flat_pack = made(150, 2e6, 7);
+    for (scene, pack) in [(round_scene(2e6, ROUGH), round()), (flat(2e6), &flat_pack)] {
+        let model = Model::new(pack, &scene);
+        let mut state = State::new(&model);
+        let mut work = Workspace::new(&model);
+        work.wrap(&model, &mut state);
+        work.start(&model, &state);
+        let bounds = state.bounds(&model);
+        work.evaluate(&model, &state, &bounds);
+        let (curvature, stiffness) = (work.balance.curvature.clone(), work.reference_stiffness);
+        let symmetric = |b: &Block3| (0..3).all(|r| (0..3).all(|c| b[r][c] == b[c][r]));
+        let largest = |blocks: &mut dyn Iterator<Item = &Block3>| {
+            blocks.flatten().flatten().fold(0.0_f32, |most, entry| most.max(entry.abs()))
+        };
+        let most = largest(&mut curvature.own.iter().map(|(_, block)| block));
+        for (_, block) in &curvature.own {
+            let off = (0..9).map(|k| (block[k / 3][k % 3] - block[k % 3][k / 3]).abs());
+            assert!(symmetric(block) || off.fold(0.0, f32::max) < 1e-6 * most);
+        }
+        let n = model.len();
+        // The pull is what twice the pressure on the same surface adds.
+        let mut pull = |d: &[Vec3], step: f64| -> Vec<Vec3> {
+            let mut moved = state.clone();
+            moved.position.iter_mut().zip(d).for_each(|(at, d)| *at += d * step);
+            let mut gradients = [1.0, 2.0].map(|times| {
+                let mut under = state.clone();
+                under.pressure = under.pressure.map(|pressure| times * pressure);
+                work.start(&model, &under);
+                work.evaluate(&model, &moved, &bounds);
+                work.balance.gradient.clone()
+            });
+            let [one, two] = &mut gradients;
+            two.iter().zip(one).map(|(two, one)| two - *one).collect()
+        };
+        let step = 1e-6;
+        for seed in 1..4 {
+            let d = vectors(seed, n);
+            // The pull is a polynomial of the second degree: one difference is exact.
+            let (after, before) = (pull(&d, step), pull(&d, -step));
+            let want = product(&curvature, stiffness, &d);
+            let scale = want.iter().map(Vec3::norm).fold(0.0, f64::max);
+            assert!(scale > 2e6 * 1e-4, "{scale}");
+            for i in 0..n {
+                let slope = (after[i] - before[i]) / (2.0 * step);
+                assert!((slope - want[i]).norm() < 1e-5 * scale, "{i}: {slope} {}", want[i]);
+            }
+        }
+    }
+}
+
+/// Largest unbalanced force before and after one Newton step of grains that are off their balance by `push`.
+fn step(
+    model: &Model,
+    at_rest: &State,
+    work: &mut Workspace,
+    push: &[Vec3],
+    curved: bool,
+) -> [f64; 2] {
+    let mut state = at_rest.clone();
+    state.position.iter_mut().zip(push).for_each(|(at, push)| *at += push);
+    work.evaluate(model, &state, &state.bounds(model));
+    if !curved {
+        work.balance.curvature = Curvature::default();
+    }
+    let before = work.balance.largest();
+    work.assemble(model);
+    let Workspace { balance, coupled, linear, reference, reference_stiffness, .. } = &mut *work;
+    let (still, unit) = (vec![0.0; model.len()], before / *reference_stiffness);
+    let inner = match reference.active {
+        true => {
+            coupled.factorise(&still);
+            coupled.solve(&balance.gradient, &balance.moment, before, 1e-6, 4000)
+        }
+        false => {
+            linear.factorise(&still);
+            linear.solve(&balance.gradient, before, 1e-6, 4000)
+        }
+    };
+    assert!(inner == Inner::Step || !curved);
+    for i in 0..model.len() {
+        let [u, w] = match reference.active {
+            true => coupled.step(i, unit),
+            false => [linear.step(i, unit), Vec3::zeros()],
+        };
+        state.position[i] += u;
+        state.rotation.iter_mut().skip(i).take(1).for_each(|turn| *turn += w / model.radius[i]);
+    }
+    work.evaluate(model, &state, &state.bounds(model));
+    [before, work.balance.largest()]
+}
+
+/// A ring in balance with its membrane, with what `rest` of a scene says taking part from there on.
+fn at_rest(rest: &str) -> (Model, State, Workspace) {
+    let (pack, scene) = ring("");
+    let model = Model::new(&pack, &scene);
+    let mut smooth = State::new(&model);
+    let mut work = Workspace::new(&model);
+    work.wrap(&model, &mut smooth);
+    assert_eq!(relax(&model, &mut smooth, &mut work).status, Status::Converged);
+    let (mut pack, scene) = ring(rest);
+    pack.grains.iter_mut().for_each(|grain| grain.friction = 0.4);
+    let model = Model::new(&pack, &scene);
+    let mut state = State::new(&model);
+    (state.position, state.pressure) = (smooth.position, smooth.pressure);
+    let mut work = Workspace::new(&model);
+    work.start(&model, &state);
+    (model, state, work)
+}
+
+#[test]
+fn a_newton_step_leaves_the_square_of_what_is_off() {
+    for rest in ["", ROUGH] {
+        let (model, state, mut work) = at_rest(rest);
+        assert_eq!(work.reference.active, !rest.is_empty());
+        work.evaluate(&model, &state, &state.bounds(&model));
+        let overlap = work.balance.sums.mean_overlap();
+        let mut left = |share: f64, curved: bool| {
+            let push: Vec<Vec3> =
+                vectors(3, model.len()).iter().map(|d| d * (share * overlap)).collect();
+            let [before, after] = step(&model, &state, &mut work, &push, curved);
+            after / before
+        };
+        let [coarse, middle, fine] = [3e-3, 1e-3, 3e-4].map(|share| left(share, true));
+        assert!((coarse / middle / 3.0 - 1.0).abs() < 0.2, "{coarse:e} {middle:e} {fine:e}");
+        assert!((middle / fine / (10.0 / 3.0) - 1.0).abs() < 0.2, "{coarse:e} {middle:e} {fine:e}");
+        // Without it a step leaves the same share, however near.
+        let without = left(3e-4, false);
+        assert!(without > 5.0 * fine, "{without:e} {fine:e}");
+    }
+}
