@@ -22,6 +22,7 @@ use crate::model::Model;
 use crate::plane::Cell;
 use crate::plane::boundary::SIDES;
 use crate::relax::curvature::Curvature;
+use crate::report::Surface;
 use crate::state::State;
 use crate::wall::{self, Room};
 
@@ -124,6 +125,14 @@ impl Membrane {
             let slope = |to: Vec3, from: Vec3| even + (to - from).cross(&middle) * 0.5;
             take(triangle, middle.dot(&area), [slope(b, c), slope(c, a), slope(a, b)]);
         });
+    }
+
+    /// Its triangles with the edges on the walls of `room` \[m\].
+    fn surface(&self, at: &[Vec3], room: &Room) -> Surface {
+        let planes = planes(room);
+        let place = |corner: u32| self.place(corner, at, &planes, &Vec3::zeros()).into();
+        let triangles = self.triangles.iter().map(|triangle| triangle.map(place)).collect();
+        Surface { side: self.side, triangles }
     }
 
     /// V \[m³\]: inside of the surface, or behind it from where the coordinate is 0.
@@ -241,6 +250,12 @@ impl Membranes {
     /// Work of the pressures on the grains since the surfaces were found \[J\].
     pub(super) fn work(&self, state: &State) -> f64 {
         self.all.iter().map(|membrane| membrane.work(&state.position)).sum()
+    }
+
+    /// The surfaces of `state`.
+    pub(crate) fn surfaces(&self, model: &Model, state: &State) -> Vec<Surface> {
+        let room = state.bounds(model);
+        self.all.iter().map(|membrane| membrane.surface(&state.position, &room)).collect()
     }
 
     /// Notes where the surfaces of `state` are at the start, and takes its sides there.
