@@ -4,17 +4,18 @@ use std::f64::consts::PI;
 use std::sync::OnceLock;
 
 use graintwin::Vec3;
-use graintwin::command::{Ask, Command, Disposition};
+use graintwin::command::Disposition;
 use graintwin::model::Model;
 use graintwin::pack::Pack;
 use graintwin::pack::generate::generate;
 use graintwin::relax::Workspace;
-use graintwin::report::{Demand, Measures, PackState, Report};
+use graintwin::report::{Measures, PackState};
 use graintwin::scene::{self, Cell, Cylinder, Generate, Scene, Solver, Walls};
 use graintwin::state::State;
-use graintwin::wall::{self, Bounds, WallTarget};
+use graintwin::wall::{Bounds, WallTarget};
 
-use crate::packs::{GLASS, Rig, absolute, bead, bits, close, recipe, state};
+use crate::packs::{GLASS, Rig, bead, bits, close, recipe, state};
+use crate::slopes::{along, vectors};
 
 const KEEP: WallTarget = WallTarget::Keep;
 pub(crate) const R: f64 = 1e-4;
@@ -48,30 +49,6 @@ pub(crate) fn round() -> &'static Pack {
         pack.grains.iter_mut().for_each(|grain| grain.friction = 0.4);
         pack
     })
-}
-
-fn ask(rig: &mut Rig, targets: [WallTarget; wall::COUNT]) -> Report {
-    rig.sequence += 1;
-    let ask = Ask::Targets(targets);
-    rig.twin.apply(&Command { ask, ..absolute(rig.sequence, [0.0; 6]) }, Demand::ALL)
-}
-
-fn go(rig: &mut Rig, targets: [WallTarget; wall::COUNT]) -> Measures {
-    let report = ask(rig, targets);
-    assert_eq!(report.disposition, Disposition::Applied, "{}", report.text);
-    report.measures.unwrap()
-}
-
-/// Numbers between -1 and 1.
-pub(crate) fn vectors(seed: u64, n: usize) -> Vec<Vec3> {
-    let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
-    let mut next = || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    };
-    (0..n).map(|_| Vec3::new(next(), next(), next())).collect()
 }
 
 /// A cubic lattice of beads whose contacts overlap a little.
@@ -132,8 +109,7 @@ fn the_pull_of_a_membrane_is_the_slope_of_its_potential() {
         for seed in 0..5 {
             let d = vectors(seed + 1, n);
             let mut difference = |step: f64| {
-                let moved = |step: f64| start.iter().zip(&d).map(|(at, d)| at + d * step).collect();
-                0.5 * (potential(moved(step)) - potential(moved(-step)))
+                0.5 * (potential(along(&start, &d, step)) - potential(along(&start, &d, -step)))
             };
             // p V is a polynomial of the third degree: two differences are exact.
             let slope = (8.0 * difference(step) - difference(2.0 * step)) / (6.0 * step);
@@ -182,7 +158,7 @@ fn on_a_straight_face_a_membrane_is_a_wall_under_the_same_stress() {
         let (mut rig, report) = Rig::start(&flat_scene(membranes, 1e6), &pack);
         assert_eq!(report.disposition, Disposition::Applied, "{}", report.text);
         let down = WallTarget::Displacement(2e-9);
-        go(&mut rig, [KEEP, KEEP, KEEP, KEEP, down, down])
+        rig.take([KEEP, KEEP, KEEP, KEEP, down, down])
     };
     let (with, without) = (run(true), run(false));
     let [one, other] = [&with, &without].map(|m| &m.grains.as_ref().unwrap().position);
@@ -210,7 +186,7 @@ fn sheared(pack: &Pack, steps: u32, step: f64) -> Vec<Measures> {
     let mut all = vec![report.measures.unwrap()];
     for k in 1..=steps {
         let down = WallTarget::Displacement(step * f64::from(k));
-        all.push(go(&mut rig, [KEEP, KEEP, KEEP, KEEP, down, down]));
+        all.push(rig.take([KEEP, KEEP, KEEP, KEEP, down, down]));
     }
     all
 }
@@ -260,7 +236,7 @@ fn the_same_bits_on_any_number_of_threads() {
     let run = |threads: usize| {
         let (mut rig, _) = Rig::start_on(&round_scene(2e6, ROUGH), round(), threads);
         let down = WallTarget::Displacement(3e-8);
-        go(&mut rig, [KEEP, WallTarget::Stress(2.1e6), KEEP, KEEP, down, down]);
+        rig.take([KEEP, WallTarget::Stress(2.1e6), KEEP, KEEP, down, down]);
         bits(&rig.twin.pack())
     };
     let one = run(1);
@@ -321,7 +297,7 @@ fn a_ring_of_spheres_carries_its_membrane() {
 fn what_is_no_order_for_a_membrane_is_refused() {
     let (mut rig, _) = Rig::start(&round_scene(2e6, ROUGH), round());
     for target in [WallTarget::Force(1.0), WallTarget::Displacement(1e-7)] {
-        let report = ask(&mut rig, [KEEP, target, KEEP, KEEP, KEEP, KEEP]);
+        let report = rig.aim([KEEP, target, KEEP, KEEP, KEEP, KEEP]);
         assert_eq!(report.disposition, Disposition::Invalid);
         assert!(report.text.contains("x_max is a membrane"), "{}", report.text);
     }
