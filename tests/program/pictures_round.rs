@@ -97,7 +97,7 @@ fn a_membrane_is_drawn_as_it_is_bent() {
     assert_eq!((marker.action, marker.r#type), (Marker::ADD, Marker::TRIANGLE_LIST));
     let corners: Vec<[f64; 3]> =
         marker.points.iter().map(|at| [at.x, at.y, at.z].map(|x| x / SCALE)).collect();
-    assert!(corners.len() > 100 && corners.len() % 3 == 0);
+    assert!(corners.len() > 100 && corners.len().is_multiple_of(3));
     // Each corner is over the axis where a grain is, and where that is in height or on a platen.
     let grains = &measures.grains.as_ref().unwrap().position;
     let platens = [measures.walls.position[4], measures.walls.position[5]];
