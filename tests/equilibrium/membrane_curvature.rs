@@ -3,11 +3,10 @@
 use graintwin::Vec3;
 use graintwin::model::Model;
 use graintwin::relax::curvature::{Block3, Curvature};
-use graintwin::relax::linear::Inner;
 use graintwin::relax::{Status, Workspace, relax};
 use graintwin::state::State;
 
-use crate::membranes::{ROUGH, flat, ring, round, round_scene};
+use crate::membranes::{R, ROUGH, flat, flat_scene, lattice, ring, round, round_scene};
 use crate::packs::made;
 use crate::slopes::{along, vectors};
 
@@ -15,10 +14,8 @@ use crate::slopes::{along, vectors};
 fn product(curvature: &Curvature, stiffness: f64, d: &[Vec3]) -> Vec<Vec3> {
     let mut product = vec![Vec3::zeros(); d.len()];
     let mut add = |i: usize, j: usize, entry: &dyn Fn(usize, usize) -> f32| {
-        for r in 0..3 {
-            let row: f64 = (0..3).map(|c| f64::from(entry(r, c)) * d[j][c]).sum();
-            product[i][r] += stiffness * row;
-        }
+        let row = |r: usize| (0..3).map(|c| f64::from(entry(r, c)) * d[j][c]).sum::<f64>();
+        product[i] += Vec3::new(row(0), row(1), row(2)) * stiffness;
     };
     for (grain, block) in &curvature.own {
         add(*grain as usize, *grain as usize, &|r, c| block[r][c]);
@@ -81,6 +78,36 @@ fn the_curvature_of_a_membrane_is_the_slope_of_its_pull() {
     }
 }
 
+/// Step and turn times radius of each grain that the linearised balance with `shift` on its diagonal asks for
+/// \[m\].
+fn solved(model: &Model, work: &mut Workspace, shift: f32) -> [Vec<Vec3>; 2] {
+    let largest = work.balance.largest();
+    work.assemble(model);
+    let Workspace { balance, coupled, linear, reference, reference_stiffness, .. } = work;
+    let (shift, unit) = (vec![shift; model.len()], largest / *reference_stiffness);
+    match reference.active {
+        true => {
+            coupled.factorise(&shift);
+            coupled.solve(&balance.gradient, &balance.moment, largest, 1e-6, 4000);
+            [0, 1].map(|k| (0..model.len()).map(|i| coupled.step(i, unit)[k]).collect())
+        }
+        false => {
+            linear.factorise(&shift);
+            linear.solve(&balance.gradient, largest, 1e-6, 4000);
+            let steps = (0..model.len()).map(|i| linear.step(i, unit)).collect();
+            [steps, vec![Vec3::zeros(); model.len()]]
+        }
+    }
+}
+
+/// Moves the grains of `state` by `share` of the step and the turn.
+fn go(model: &Model, state: &mut State, [step, turn]: &[Vec<Vec3>; 2], share: f64) {
+    state.position = along(&state.position, step, share);
+    for (i, rotation) in state.rotation.iter_mut().enumerate() {
+        *rotation += turn[i] * (share / model.radius[i]);
+    }
+}
+
 /// Largest unbalanced force before and after one Newton step of grains that are off their balance by `push`.
 fn step(
     model: &Model,
@@ -96,28 +123,8 @@ fn step(
         work.balance.curvature = Curvature::default();
     }
     let before = work.balance.largest();
-    work.assemble(model);
-    let Workspace { balance, coupled, linear, reference, reference_stiffness, .. } = &mut *work;
-    let (still, unit) = (vec![0.0; model.len()], before / *reference_stiffness);
-    let inner = match reference.active {
-        true => {
-            coupled.factorise(&still);
-            coupled.solve(&balance.gradient, &balance.moment, before, 1e-6, 4000)
-        }
-        false => {
-            linear.factorise(&still);
-            linear.solve(&balance.gradient, before, 1e-6, 4000)
-        }
-    };
-    assert!(inner == Inner::Step || !curved);
-    for i in 0..model.len() {
-        let [u, w] = match reference.active {
-            true => coupled.step(i, unit),
-            false => [linear.step(i, unit), Vec3::zeros()],
-        };
-        state.position[i] += u;
-        state.rotation.iter_mut().skip(i).take(1).for_each(|turn| *turn += w / model.radius[i]);
-    }
+    let way = solved(model, work, 0.0);
+    go(model, &mut state, &way, 1.0);
     work.evaluate(model, &state, &state.bounds(model));
     [before, work.balance.largest()]
 }
@@ -159,5 +166,56 @@ fn a_newton_step_leaves_the_square_of_what_is_off() {
         // Without it a step leaves the same share, however near.
         let without = left(3e-4, false);
         assert!(without > 5.0 * fine, "{without:e} {fine:e}");
+    }
+}
+
+#[test]
+fn the_parts_of_a_large_pack_share_the_curvature() {
+    const SHIFT: f32 = 0.05;
+    for friction in [0.0, 0.4] {
+        let mut pack = lattice([10, 32, 32]);
+        pack.grains.iter_mut().for_each(|grain| grain.friction = friction);
+        let mut scene = flat_scene(true, 1e8);
+        if friction > 0.0 {
+            scene.contact.friction = flat(1e8).contact.friction;
+        }
+        let model = Model::new(&pack, &scene);
+        assert!(graintwin::model::parts(model.len()) > 1);
+        let mut state = State::new(&model);
+        (state.pressure[0], state.pressure[1]) = (1e8, 1e8);
+        let overlap = 5e-4 * R;
+        state.position = along(&state.position, &vectors(2, model.len()), 0.05 * overlap);
+        let mut work = Workspace::new(&model);
+        work.start(&model, &state);
+        assert_eq!(work.reference.active, friction > 0.0);
+        let bounds = state.bounds(&model);
+        // What the balance a little along the way says of the whole way.
+        let mut left = |curved: bool| {
+            work.evaluate(&model, &state, &bounds);
+            let here = (work.balance.gradient.clone(), work.balance.moment.clone());
+            let largest = work.balance.largest();
+            if !curved {
+                work.balance.curvature = Curvature::default();
+            }
+            let way = solved(&model, &mut work, SHIFT);
+            let longest = way.iter().flatten().map(Vec3::norm).fold(0.0, f64::max);
+            let share = 1e-5 * overlap / longest;
+            let mut there = state.clone();
+            go(&model, &mut there, &way, share);
+            work.evaluate(&model, &there, &bounds);
+            let shift = f64::from(SHIFT) * work.reference_stiffness;
+            let off = |from: &[Vec3], to: &[Vec3], way: &[Vec3]| {
+                let each = from.iter().zip(to).zip(way);
+                each.map(|((from, to), way)| (from + (to - from) / share + way * shift).norm())
+                    .fold(0.0, f64::max)
+            };
+            off(&here.0, &work.balance.gradient, &way[0]).max(off(
+                &here.1,
+                &work.balance.moment,
+                &way[1],
+            )) / largest
+        };
+        let [with, without] = [true, false].map(&mut left);
+        assert!(with < 1e-4 && without > 10.0 * with, "{friction} {with:e} {without:e}");
     }
 }

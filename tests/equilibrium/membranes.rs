@@ -52,7 +52,7 @@ pub(crate) fn round() -> &'static Pack {
 }
 
 /// A cubic lattice of beads whose contacts overlap a little.
-fn lattice(count: [usize; 3]) -> Pack {
+pub(crate) fn lattice(count: [usize; 3]) -> Pack {
     let pitch = 1.9995 * R;
     let [nx, ny, nz] = count;
     let grains = (0..nx * ny * nz).map(|k| {
@@ -63,7 +63,7 @@ fn lattice(count: [usize; 3]) -> Pack {
     Pack { bounds, grains: grains.collect(), history: None }
 }
 
-fn flat_scene(membranes: bool, pressure: f64) -> Scene {
+pub(crate) fn flat_scene(membranes: bool, pressure: f64) -> Scene {
     let what = if membranes { "membranes: [x_min, x_max], " } else { "" };
     let walls = format!(
         "friction: 0.0, {what}targets: {{x_min: {{stress: {pressure:e}}}, \
