@@ -78,4 +78,19 @@ impl Pack {
         }
         Self { bounds, grains, history: None }
     }
+
+    /// The grains that lie wholly between the circles of the radius `inner` \[m\], 0 for none, and that in
+    /// the square `bounds`, which becomes the box, as [`cut`](Self::cut).
+    #[must_use]
+    pub fn cut_round(&self, bounds: &Bounds, inner: f64, dimension: u8) -> Self {
+        let mut cut = self.cut(bounds, dimension);
+        let [x, y, _] = cut.bounds.center();
+        let outer = 0.5 * cut.bounds.sides()[0];
+        cut.grains.retain(|grain| {
+            let distance = (grain.position[0] - x).hypot(grain.position[1] - y);
+            let inside = inner == 0.0 || distance - grain.radius >= inner;
+            inside && distance + grain.radius <= outer
+        });
+        cut
+    }
 }

@@ -16,6 +16,7 @@ mod conjugate_gradient;
 pub mod cool;
 pub mod coupled;
 mod crew;
+pub mod curvature;
 pub mod dissociate;
 mod downhill;
 pub(crate) mod dynamic;
@@ -47,6 +48,7 @@ use crate::contact::neighbours::Neighbours;
 use crate::heap;
 use crate::model::Model;
 use crate::plane;
+use crate::report::Surface;
 use crate::scene::Method;
 use crate::state::{Bond, Memory, State};
 use crate::wall::{self, Room};
@@ -357,6 +359,11 @@ impl Workspace {
     /// Moves the sides of an equilibrium that are membranes with the pack.
     pub fn lead(&mut self, model: &Model, state: &mut State) {
         self.reference.membranes.lead(model, state);
+    }
+
+    /// The membranes on spheres around `state`, whose balance was taken last.
+    pub(crate) fn surfaces(&self, model: &Model, state: &State) -> Vec<Surface> {
+        self.reference.membranes.surfaces(model, state)
     }
 
     /// Tells the neighbour list where cement stands between the bodies or stood.

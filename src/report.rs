@@ -176,6 +176,8 @@ pub struct Measures {
     pub network: Option<ContactNetwork>,
     /// Present when [`Demand::grains`] was set.
     pub grains: Option<Grains>,
+    /// The membranes on spheres, when [`Demand::grains`] was set.
+    pub surfaces: Vec<Surface>,
     /// Present when [`Demand::grain_motion`] was set, or [`Demand::grains`] with a scene whose pictures
     /// show it, unless the scene says never.
     pub motion: Option<GrainMotion>,
@@ -191,6 +193,15 @@ pub struct Measures {
     pub bonds: Option<Bonds>,
     /// Present when [`Demand::cracks`] was set and the scene has cement.
     pub cracks: Option<Cracks>,
+}
+
+/// The surface of a membrane on spheres.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    /// Its side.
+    pub side: usize,
+    /// Corners of its triangles, to the left as seen from outside of the pack \[m\].
+    pub triangles: Vec<[[f64; 3]; 3]>,
 }
 
 /// What kind of event, as `graintwin_msgs/Event` numbers it.

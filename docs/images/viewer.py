@@ -24,7 +24,7 @@ from PIL import Image
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-LINE_LIST, SPHERE_LIST = 5, 7
+LINE_LIST, SPHERE_LIST, TRIANGLE_LIST = 5, 7, 11
 WALLS = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max")
 STRAIN = "axial strain [µm/m]"
 SIZE = (1600, 720)
@@ -61,7 +61,7 @@ def draw(array):
         centre = marker.pose.position
         if marker.ns == "text":
             text = marker.text
-        elif marker.ns == "walls":
+        elif marker.ns == "walls" and marker.type != TRIANGLE_LIST:
             box = rerun.Boxes3D(
                 centers=[[centre.x, centre.y, centre.z]],
                 sizes=[[marker.scale.x, marker.scale.y, marker.scale.z]],
@@ -79,6 +79,9 @@ def draw(array):
                 colors=[rgb(color) for color in marker.colors],
             )
             rerun.log(name, spheres, static=True)
+        elif marker.type == TRIANGLE_LIST:
+            triangles = points(marker).reshape(-1, 3, 3)
+            rerun.log(name, rerun.LineStrips3D(triangles, colors=[rgb(marker.color)]), static=True)
         elif marker.type == LINE_LIST:
             lines = rerun.LineStrips3D(
                 points(marker).reshape(-1, 2, 3),

@@ -6,7 +6,7 @@ use crate::contact::{Other, hertz};
 use crate::model::Model;
 use crate::scene::Cement;
 use crate::state::{Bond, Condition, State};
-use crate::wall::{Bounds, Facing, Room};
+use crate::wall::{Facing, Room};
 
 /// Contacts below this share of the mean normal force are not counted: rattlers hover around zero.
 pub const FAINT: f64 = 1e-6;
@@ -196,7 +196,7 @@ fn cemented(
 }
 
 /// The contact of `bond` without a force.
-fn apart(model: &Model, state: &State, bond: &Bond, bounds: &Bounds) -> Contact {
+fn apart(model: &Model, state: &State, bond: &Bond, bounds: &Room) -> Contact {
     let branch = bond.branch(&state.position, bounds);
     let distance = branch.norm();
     let radius = model.radius[bond.first as usize];

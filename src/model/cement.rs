@@ -3,12 +3,11 @@
 use crate::Vec3;
 use crate::contact::cement::effective::{Effective, Evolution, Normal};
 use crate::contact::cement::parallel::Cylinder;
-use crate::contact::neighbours::plane_gap;
 use crate::contact::{Other, hertz};
 use crate::model::Model;
 use crate::scene::{Cement, CementLaw, Solution};
 use crate::state::{Bond, State};
-use crate::wall::{self, Bounds};
+use crate::wall::Room;
 
 /// How the cement of a bond answers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,7 +46,10 @@ impl Model {
                 let radius = hertz::effective_radius(self.radius[i], self.radius[j]);
                 (radius, self.compliance[i] + self.compliance[j])
             }
-            Other::Wall(_) => (self.radius[i], self.compliance[i] + self.wall_compliance),
+            Other::Wall(w) => {
+                let radius = self.wall_radius(i, usize::from(w));
+                (radius, self.compliance[i] + self.wall_compliance)
+            }
         }
     }
 
@@ -137,15 +139,13 @@ impl Bond {
     /// Way from the other body to the centre of grain i \[m\]: from the other centre, or from the
     /// wall along its normal.
     #[must_use]
-    pub fn branch(&self, position: &[Vec3], bounds: &Bounds) -> Vec3 {
+    pub fn branch(&self, position: &[Vec3], bounds: &Room) -> Vec3 {
         let at = position[self.first as usize];
         match self.second {
             Other::Grain(j) => at - position[j as usize],
             Other::Wall(w) => {
-                let w = usize::from(w);
-                let mut branch = Vec3::zeros();
-                branch[wall::axis(w)] = wall::inward(w) * plane_gap(&at, w, bounds);
-                branch
+                let facing = bounds.facing(&at, usize::from(w));
+                facing.normal * facing.gap
             }
         }
     }
@@ -153,20 +153,20 @@ impl Bond {
     /// Force of its cement on grain i along the normal at an equilibrium \[N\], negative in tension:
     /// the one that it remembers, or that by the law `law`.
     #[must_use]
-    pub fn force(&self, law: &BondLaw, position: &[Vec3], bounds: &Bounds) -> f64 {
+    pub fn force(&self, law: &BondLaw, position: &[Vec3], bounds: &Room) -> f64 {
         self.normal_force.unwrap_or_else(|| self.force_by_law(law, position, bounds))
     }
 
     /// The normal force that it goes on from \[N\]; `None` where the law gives it.
     #[must_use]
-    pub fn recalled(&self, model: &Model, position: &[Vec3], bounds: &Bounds) -> Option<f64> {
+    pub fn recalled(&self, model: &Model, position: &[Vec3], bounds: &Room) -> Option<f64> {
         let cement = model.cement.as_ref().filter(|_| model.is_two_step())?;
         Some(self.force(&model.law_of(cement, self), position, bounds))
     }
 
     /// Force of its cement on grain i along the normal by the law `law` \[N\].
     #[must_use]
-    pub fn force_by_law(&self, law: &BondLaw, position: &[Vec3], bounds: &Bounds) -> f64 {
+    pub fn force_by_law(&self, law: &BondLaw, position: &[Vec3], bounds: &Room) -> f64 {
         law.answer(self.branch(position, bounds).norm()).force
     }
 }

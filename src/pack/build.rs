@@ -41,7 +41,11 @@ pub fn unprepared(loaded: &Loaded) -> Result<Pack, PackError> {
     if pack.history.is_some() {
         tracing::warn!("pack.cut drops the history of the pack: another specimen begins anew");
     }
-    let specimen = pack.cut(cut, loaded.scene.dimension);
+    let dimension = loaded.scene.dimension;
+    let specimen = match loaded.scene.walls.cell.inner() {
+        None => pack.cut(cut, dimension),
+        Some(inner) => pack.cut_round(cut, inner, dimension),
+    };
     if specimen.grains.is_empty() {
         return Err(PackError::EmptyCut { grains: pack.grains.len() });
     }

@@ -7,7 +7,7 @@ use crate::scene::{self, Scene, Walls};
 use crate::wall::{self, Bounds, Room};
 
 /// A box may differ from a square, as the box of an annulus is, by this share.
-const SQUARE: f64 = 1e-9;
+pub(crate) const SQUARE: f64 = 1e-9;
 
 /// Sides and what they enclose, as they are at the start.
 #[derive(Clone, Debug, PartialEq)]

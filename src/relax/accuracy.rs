@@ -111,7 +111,8 @@ fn change(model: &Model, state: &State, work: &Workspace) -> Change {
         if let (Other::Wall(wall), true) = (held.second, held.is_bonded()) {
             let (w, k) = (usize::from(wall), f64::from(traction.axial));
             stiffness[w] += k;
-            force[w] -= k * work.step[held.first as usize][wall::axis(w)] * wall::inward(w);
+            let i = held.first as usize;
+            force[w] -= k * work.step[i].dot(&bounds.normal(&state.position[i], w));
         }
     }
     let largest = |list: [f64; wall::COUNT]| list.into_iter().fold(0.0, f64::max);

@@ -8,6 +8,7 @@ use crate::contact::neighbours::{Neighbours, plane_gap};
 use crate::heap;
 use crate::model::Model;
 use crate::relax::block::Block;
+use crate::relax::curvature::Curvature;
 use crate::relax::lanes::{Kernel, Lanes, dispatch};
 use crate::relax::tangential::{Pull, Reference, Traction};
 use crate::wall::{self, Facing, Room};
@@ -96,6 +97,8 @@ pub struct Balance {
     pub shear_potential: f64,
     /// Potential of the pressures of membranes \[J\].
     pub membrane_potential: f64,
+    /// Second derivative of that potential, in units of the reference stiffness.
+    pub curvature: Curvature,
     /// Normal force of cement on each wall \[N\].
     pub cement_on_walls: [f64; wall::COUNT],
     /// Totals.
@@ -177,6 +180,7 @@ impl Balance {
         self.weigh(at);
         let membranes = &at.reference.membranes;
         self.membrane_potential = membranes.press(at.position, &mut self.gradient);
+        membranes.bend(at.position, 1.0 / at.reference_stiffness, &mut self.curvature);
         at.reference.evaluate(self, at);
     }
 
@@ -258,6 +262,7 @@ impl Balance {
             + heap::bytes(&self.links_in_row)
             + heap::bytes(&self.wall_stiffness)
             + heap::bytes(&self.wall_cross)
+            + self.curvature.heap_bytes()
             + heap::bytes(&self.moment)
             + heap::bytes(&self.tractions)
             + heap::bytes(&self.pulls)

@@ -76,7 +76,8 @@ impl Coupled {
             number += list.joints.len() as u32;
         }
         let lists = Lists { lists, length };
-        split.arrange(n, &lists);
+        let curvature = &balance.curvature;
+        split.arrange(n, &lists, curvature.grains());
         let split = &*split;
         parts.resize_with(count, Part::default);
         for_each(parts, |k, part| {
@@ -88,6 +89,7 @@ impl Coupled {
                 1 => part.list.join(0..n, sources),
                 _ => part.take_contacts(split, k, &lists),
             }
+            part.take_curvature(split, k, curvature);
             part.add_blocks();
         });
         separator.begin(split.rows(count), split.rows_with_separator(count));
@@ -95,6 +97,7 @@ impl Coupled {
             separator.place(at.row as usize, i as u32);
         }
         separator.take_between(split, parts, &lists);
+        separator.take_curvature(split, count, curvature);
         separator.add_blocks();
         for part in &*parts {
             separator.add_tail(part);

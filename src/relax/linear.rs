@@ -4,6 +4,8 @@
 //! Cholesky factorisation that modifies only the diagonal blocks, Δ_i = D_i - Σ_j K_ij Δ_j⁻¹ K_ij
 //! over the earlier neighbours j. With Eisenstat's trick one backward and one forward sweep do
 //! both the product with H and the two triangular solves (SIAM J. Sci. Stat. Comput. 2, 1, 1981).
+//! What couples grains that do not touch is left out of L: of it P has the diagonal blocks alone, and the
+//! product adds it between the sweeps.
 //!
 //! The parts of a split come first in the order of elimination and its separator last, so
 //! that the parts can be swept at the same time.
@@ -61,7 +63,8 @@ impl Linear {
     pub fn assemble(&mut self, balance: &Balance, neighbours: &Neighbours) {
         let contacts = Touching { balance, neighbours };
         let Self { split, parts, separator, .. } = self;
-        split.arrange(balance.gradient.len(), &contacts);
+        let curvature = &balance.curvature;
+        split.arrange(balance.gradient.len(), &contacts, curvature.grains());
         let split = &*split;
         parts.resize_with(split.parts(), Part::default);
         for_each(parts, |k, part| {
@@ -71,6 +74,7 @@ impl Linear {
             }
             part.take_contacts(split, k, &contacts, &balance.links);
             part.fill_empty_rows();
+            part.take_curvature(split, k, curvature);
         });
         let late = split.parts();
         separator.begin(split.rows(late), split.rows_with_separator(late));
@@ -82,6 +86,7 @@ impl Linear {
             separator.add_diagonals(part);
         }
         separator.fill_empty_rows();
+        separator.take_curvature(split, late, curvature);
     }
 
     /// Factorises H + Σ, where Σ shifts the block of grain i by `shift[i]` in units of the
@@ -112,6 +117,7 @@ impl Linear {
             Order::Sweep { beta } => {
                 part.take_separator(&read(&separator).t);
                 part.backward(beta);
+                part.bend();
                 part.forward();
             }
             Order::Descend { alpha } => part.descend(alpha),
@@ -141,6 +147,7 @@ impl Linear {
                 }
                 *products += 1;
                 write(&separator).backward(beta);
+                write(&separator).bend();
                 crew.call(Order::Sweep { beta });
                 forward();
                 let curvature = sum(&read(&separator));

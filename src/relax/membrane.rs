@@ -11,6 +11,7 @@
 //! with the middle x_m and the area vector N = ½ (b - a) × (c - a) out of the pack: exact, for the field
 //! is linear. Its derivative by the corner a is D N / 3 + ½ (b - c) × D x_m.
 
+mod bend;
 mod surface;
 
 use std::f64::consts::PI;
@@ -20,6 +21,8 @@ use crate::heap;
 use crate::model::Model;
 use crate::plane::Cell;
 use crate::plane::boundary::SIDES;
+use crate::relax::curvature::Curvature;
+use crate::report::Surface;
 use crate::state::State;
 use crate::wall::{self, Room};
 
@@ -97,9 +100,8 @@ impl Membrane {
         field
     }
 
-    /// Hands over each triangle: its corners, its part of V \[m³\] and the derivatives of that by the
-    /// corners \[m²\].
-    fn each(&self, at: &[Vec3], mut take: impl FnMut(&[u32; 3], f64, [Vec3; 3])) {
+    /// Hands over the corners of each triangle and where they are, from the axis of a round room \[m\].
+    fn each_place(&self, at: &[Vec3], mut take: impl FnMut(&[u32; 3], [Vec3; 3])) {
         let Some(room) = &self.room else { return };
         let planes = planes(room);
         let mut centre = Vec3::zeros();
@@ -108,13 +110,29 @@ impl Membrane {
             centre = Vec3::new(x, y, 0.0);
         }
         for triangle in &self.triangles {
-            let [a, b, c] = triangle.map(|corner| self.place(corner, at, &planes, &centre));
+            take(triangle, triangle.map(|corner| self.place(corner, at, &planes, &centre)));
+        }
+    }
+
+    /// Hands over each triangle: its corners, its part of V \[m³\] and the derivatives of that by the
+    /// corners \[m²\].
+    fn each(&self, at: &[Vec3], mut take: impl FnMut(&[u32; 3], f64, [Vec3; 3])) {
+        let Some(room) = &self.room else { return };
+        self.each_place(at, |triangle, [a, b, c]| {
             let area = (b - a).cross(&(c - a)) * 0.5;
             let middle = self.field(room, &((a + b + c) / 3.0));
             let even = self.field(room, &area) / 3.0;
             let slope = |to: Vec3, from: Vec3| even + (to - from).cross(&middle) * 0.5;
             take(triangle, middle.dot(&area), [slope(b, c), slope(c, a), slope(a, b)]);
-        }
+        });
+    }
+
+    /// Its triangles with the edges on the walls of `room` \[m\].
+    fn surface(&self, at: &[Vec3], room: &Room) -> Surface {
+        let planes = planes(room);
+        let place = |corner: u32| self.place(corner, at, &planes, &Vec3::zeros()).into();
+        let triangles = self.triangles.iter().map(|triangle| triangle.map(place)).collect();
+        Surface { side: self.side, triangles }
     }
 
     /// V \[m³\]: inside of the surface, or behind it from where the coordinate is 0.
@@ -223,9 +241,21 @@ impl Membranes {
         self.all.iter().map(|membrane| membrane.press(at, gradient)).sum()
     }
 
+    /// Takes the second derivative of the potential, times `scale`, to `curvature`.
+    pub(super) fn bend(&self, at: &[Vec3], scale: f64, curvature: &mut Curvature) {
+        curvature.clear();
+        self.all.iter().for_each(|membrane| membrane.bend(at, scale, curvature));
+    }
+
     /// Work of the pressures on the grains since the surfaces were found \[J\].
     pub(super) fn work(&self, state: &State) -> f64 {
         self.all.iter().map(|membrane| membrane.work(&state.position)).sum()
+    }
+
+    /// The surfaces of `state`.
+    pub(crate) fn surfaces(&self, model: &Model, state: &State) -> Vec<Surface> {
+        let room = state.bounds(model);
+        self.all.iter().map(|membrane| membrane.surface(&state.position, &room)).collect()
     }
 
     /// Notes where the surfaces of `state` are at the start, and takes its sides there.

@@ -64,6 +64,8 @@ pub(super) struct Split {
     late: Vec<bool>,
     /// The contacts of each part with later ones.
     crossing: Vec<Vec<Crossing>>,
+    /// Other pairs of grains of two parts.
+    apart: Vec<[u32; 2]>,
     /// Contacts of each grain with other parts.
     degree: Vec<u32>,
 }
@@ -76,11 +78,17 @@ impl Split {
             + heap::bytes(&self.late)
             + heap::bytes(&self.crossing)
             + self.crossing.iter().map(heap::bytes).sum::<usize>()
+            + heap::bytes(&self.apart)
             + heap::bytes(&self.degree)
     }
 
-    /// Splits `n` grains that touch in `contacts`.
-    pub(super) fn arrange(&mut self, n: usize, contacts: &impl Contacts) {
+    /// Splits `n` grains that touch in `contacts` and are otherwise coupled in `pairs`.
+    pub(super) fn arrange(
+        &mut self,
+        n: usize,
+        contacts: &impl Contacts,
+        pairs: impl Iterator<Item = [u32; 2]>,
+    ) {
         let parts = model::parts(n);
         self.length = n.div_ceil(parts).max(1);
         self.rows.clear();
@@ -101,6 +109,8 @@ impl Split {
                     .extend(beyond.map(|(j, contact)| Crossing { grains: [i as u32, j], contact }));
             }
         });
+        self.apart.clear();
+        self.apart.extend(pairs.filter(|[i, j]| *i as usize / length != *j as usize / length));
         self.choose_separator(n);
         self.place.resize(n, Place::default());
         let mut late_row = 0;
@@ -118,17 +128,19 @@ impl Split {
         self.rows.push(late_row);
     }
 
-    /// Chooses one grain of each crossing contact, those first that have many.
+    /// Chooses one grain of each crossing contact or pair, those first that have many.
     fn choose_separator(&mut self, n: usize) {
         self.late.clear();
         self.late.resize(n, false);
         self.degree.clear();
         self.degree.resize(n, 0);
-        for grain in self.crossing.iter().flatten().flat_map(|crossing| crossing.grains) {
+        let touching = self.crossing.iter().flatten().map(|crossing| crossing.grains);
+        let all = touching.chain(self.apart.iter().copied());
+        for grain in all.clone().flatten() {
             self.degree[grain as usize] += 1;
         }
         for least in LEAST_DEGREES {
-            for [i, j] in self.crossing.iter().flatten().map(|crossing| crossing.grains) {
+            for [i, j] in all.clone() {
                 let [i, j] = [i as usize, j as usize];
                 let best = if self.degree[i] > self.degree[j] { i } else { j };
                 if !(self.late[i] || self.late[j]) && self.degree[best] >= least {
@@ -157,6 +169,17 @@ impl Split {
     /// Where each grain stands.
     pub(super) fn places(&self) -> &[Place] {
         &self.place
+    }
+
+    /// The part that `grains`, which are coupled, are worked on in, and their rows there.
+    pub(super) fn pair(&self, grains: [u32; 2]) -> (u32, [u32; 2]) {
+        let [a, b] = grains.map(|grain| self.place[grain as usize]);
+        let behind = |part: u32| self.rows[part as usize];
+        match self.parts() as u32 {
+            _ if a.part == b.part => (a.part, [a.row, b.row]),
+            separator if b.part == separator => (a.part, [a.row, behind(a.part) + b.row]),
+            _ => (b.part, [behind(b.part) + a.row, b.row]),
+        }
     }
 
     /// The grains of part `part` before some of them went to the separator, with their places.
@@ -336,7 +359,9 @@ mod tests {
         for reach in [31, 4000, 9000] {
             let ring = Ring { n, reaches: [1, 7, reach] };
             let mut split = Split::default();
-            split.arrange(n as usize, &ring);
+            let coupled = |i: u32| [[i, (i + 13) % n], [i, (i + 7001) % n]];
+            let pairs = (0..n).step_by(9).flat_map(coupled);
+            split.arrange(n as usize, &ring, pairs.clone());
             assert_eq!(split.parts(), 4);
             let total: usize = (0..=4).map(|part| split.rows(part)).sum();
             assert_eq!(total, n as usize);
@@ -348,6 +373,10 @@ mod tests {
                 };
                 split.places().iter().position(|at| *at == place).expect("a grain stands there")
             };
+            for pair in pairs.step_by(11) {
+                let (part, rows) = split.pair(pair);
+                assert_eq!(rows.map(|row| grain_of(part as usize, row) as u32), pair);
+            }
             let mut patterns = vec![Pattern::default(); 5];
             for (part, pattern) in patterns[..4].iter_mut().enumerate() {
                 split.deal(part, &ring, pattern);
@@ -381,7 +410,7 @@ mod tests {
     #[test]
     fn small_packs_are_one_part_in_their_own_order() {
         let mut split = Split::default();
-        split.arrange(2740, &Ring { n: 2740, reaches: [1, 2, 3] });
+        split.arrange(2740, &Ring { n: 2740, reaches: [1, 2, 3] }, std::iter::empty());
         assert_eq!((split.parts(), split.rows(0), split.rows(1)), (1, 2740, 0));
         assert_eq!(split.places()[17], Place { part: 0, row: 17 });
         assert_eq!(split.separator().count(), 0);

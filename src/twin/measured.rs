@@ -50,7 +50,7 @@ impl Twin {
         let loaded = self.loaded(&contacts);
         let before =
             std::mem::replace(&mut self.stress_strain, (loaded.normal_stress(), loaded.strain));
-        let Self { model, state, .. } = &*self;
+        let Self { model, state, work, .. } = &*self;
         let sudden = sudden::in_order(reached);
         Measures {
             stamp,
@@ -70,6 +70,10 @@ impl Twin {
                 .contact_network
                 .then(|| network::network(model, contacts.counted().chain(&contacts.cracks))),
             grains: demand.grains.then(|| grains::grains(model, state, &contacts.list)),
+            surfaces: match demand.grains {
+                true => work.surfaces(model, state),
+                false => Vec::new(),
+            },
             motion,
             fabric: demand
                 .fabric

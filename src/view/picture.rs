@@ -12,6 +12,7 @@ mod cement;
 mod chains;
 mod cloud;
 mod colormap;
+mod room;
 mod sides;
 mod spheres;
 mod walls;
@@ -98,7 +99,7 @@ impl Painter {
         let canvas = Canvas { header: header(measures), scale: self.scale, plane: self.plane };
         let mut markers = match self.plane {
             true => sides::sides(&canvas, &self.cell, &measures.walls),
-            false => walls::walls(&canvas, &measures.walls),
+            false => room::room(&canvas, &self.cell, measures),
         };
         markers.push(caption::caption(&canvas, &self.name, measures));
         markers.extend(chains::chains(&canvas, grains, measures.network.as_ref()));

@@ -20,6 +20,7 @@ mod packs;
 #[cfg(feature = "mcap")]
 #[path = "../common/python.rs"]
 mod python;
+mod round;
 mod tangent;
 mod two_step;
 mod two_step_closed_forms;

@@ -244,6 +244,7 @@ fn measures(stamp: Stamp, increment: u64, contacts: u32) -> Measures {
         increment,
         events: vec![jump(increment)],
         rearrangements: vec![rearrangement(increment)],
+        surfaces: Vec::new(),
         snapshots: [EventEnd::Before, EventEnd::After].map(snapshot).to_vec(),
         walls,
         wall_force_error: 2.5e-9,

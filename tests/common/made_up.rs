@@ -74,6 +74,7 @@ impl MadeUpTwin {
             // Only some increments have events.
             events: (0..self.increment % 3).map(|_| n.event()).collect(),
             rearrangements: Vec::new(),
+            surfaces: Vec::new(),
             snapshots: Vec::new(),
             walls: WallForces {
                 normal_force: from_fn(|_| n.next()),

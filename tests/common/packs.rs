@@ -9,7 +9,7 @@ use graintwin::pack::{Grain, Pack};
 use graintwin::report::{Demand, Measures, PackState, Report};
 use graintwin::scene::{self, Generate, Material, Radius, Scene, Solver, Walls};
 use graintwin::twin::Twin;
-use graintwin::wall::{self, Bounds};
+use graintwin::wall::{self, Bounds, WallTarget};
 
 /// Glass without spread: E* between grains is 36458333333.333336 Pa, against the default walls
 /// 72347700983.85123 Pa (the peers' `g2740_10MPa.json` computed both).
@@ -86,6 +86,21 @@ impl Rig {
     pub(crate) fn send(&mut self, displacement: [f64; wall::COUNT]) -> Report {
         self.sequence += 1;
         self.twin.apply(&absolute(self.sequence, displacement), Demand::ALL)
+    }
+
+    /// Sends the walls their targets.
+    pub(crate) fn aim(&mut self, targets: [WallTarget; wall::COUNT]) -> Report {
+        self.sequence += 1;
+        let ask = Ask::Targets(targets);
+        let command = Command { ask, ..absolute(self.sequence, [0.0; wall::COUNT]) };
+        self.twin.apply(&command, Demand::ALL)
+    }
+
+    /// As [`Rig::aim`]; the command must be applied.
+    pub(crate) fn take(&mut self, targets: [WallTarget; wall::COUNT]) -> Measures {
+        let report = self.aim(targets);
+        assert_eq!(report.disposition, Disposition::Applied, "{}", report.text);
+        report.measures.unwrap()
     }
 
     /// As [`Rig::send`]; the command must be applied.

@@ -383,6 +383,7 @@ fn measures(contacts: u32) -> Measures {
         events: Vec::new(),
         rearrangements: Vec::new(),
         snapshots: Vec::new(),
+        surfaces: Vec::new(),
         walls: report::WallForces {
             position: [-1.0, 3.0, -2.0, 2.0, -4.0, 4.0],
             ..report::WallForces::default()

@@ -8,16 +8,13 @@ use graintwin::contact::hertz;
 use graintwin::contact::neighbours::Neighbours;
 use graintwin::model::Model;
 use graintwin::pack::Pack;
-use graintwin::relax::balance::{Balance, Configuration};
-use graintwin::relax::tangential::Reference;
+use graintwin::relax::balance::Balance;
 use graintwin::scene::{Solver, Walls};
 use graintwin::wall::Bounds;
 use proptest::prelude::*;
 
 use crate::packs::{bead, close, made};
-
-/// Stiffness that the linearisation is scaled by here \[N/m\]; any number will do.
-const REFERENCE: f64 = 3e5;
+use crate::slopes::{along, balance, hessian_times, vectors};
 
 /// A pack in equilibrium; the tests push its grains about.
 fn pack() -> &'static Pack {
@@ -31,68 +28,20 @@ fn model(pack: &Pack) -> Model {
     Model::with(pack, &Walls::default(), gravity, Solver::default(), None)
 }
 
-fn balance(model: &Model, position: &[Vec3], carries: &[bool]) -> (Balance, Neighbours) {
-    let bounds = &model.start.into();
-    let mut neighbours = Neighbours::default();
-    neighbours.refresh(model, position, bounds);
-    let mut balance = Balance::default();
-    balance.evaluate(&Configuration {
-        model,
-        neighbours: &neighbours,
-        position,
-        rotation: &[],
-        reference: &Reference::default(),
-        carries,
-        bounds,
-        reference_stiffness: REFERENCE,
-    });
-    (balance, neighbours)
-}
-
-/// H d by the links and wall stiffnesses of the linearisation \[N/m times d\].
-fn hessian_times(balance: &Balance, neighbours: &Neighbours, d: &[Vec3]) -> Vec<Vec3> {
-    let mut product = vec![Vec3::zeros(); d.len()];
-    for i in 0..d.len() {
-        let first = neighbours.row(i).start;
-        for link in &balance.links[first..first + balance.links_in_row[i] as usize] {
-            let j = link.second as usize;
-            let m = Vec3::from(link.m.map(f64::from));
-            let relative = d[i] - d[j];
-            let force = m * m.dot(&relative) - relative * f64::from(link.b);
-            product[i] += force;
-            product[j] -= force;
-        }
-        let walls = Vec3::from(balance.wall_stiffness[i].map(f64::from));
-        product[i] += walls.component_mul(&d[i]);
-    }
-    product.into_iter().map(|p| p * REFERENCE).collect()
-}
-
-/// Numbers between -1 and 1.
-fn direction(seed: u64, n: usize) -> Vec<Vec3> {
-    let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
-    let mut next = || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    };
-    (0..n).map(|_| Vec3::new(next(), next(), next())).collect()
-}
-
-fn along(position: &[Vec3], d: &[Vec3], step: f64) -> Vec<Vec3> {
-    position.iter().zip(d).map(|(x, d)| x + d * step).collect()
+/// The balance between walls that stand.
+fn between(model: &Model, position: &[Vec3], carries: &[bool]) -> (Balance, Neighbours) {
+    balance(model, (position, carries), &[0.0; 6])
 }
 
 /// The grains of `model` pushed about by up to `push` \[m\].
 fn pushed(model: &Model, seed: u64, push: f64) -> Vec<Vec3> {
     let start: Vec<Vec3> = model.grains.iter().map(|g| Vec3::from(g.position)).collect();
-    along(&start, &direction(seed, start.len()), push)
+    along(&start, &vectors(seed, start.len()), push)
 }
 
 /// Mean overlap of the pack [m] and its mean contact force [N].
 fn scales(model: &Model) -> (f64, f64) {
-    let (balance, _) = balance(model, &pushed(model, 1, 0.0), &vec![true; model.len()]);
+    let (balance, _) = between(model, &pushed(model, 1, 0.0), &vec![true; model.len()]);
     (balance.sums.mean_overlap(), balance.sums.mean_force())
 }
 
@@ -123,14 +72,14 @@ proptest! {
         let (overlap, force) = scales(&model);
         let all = vec![true; model.len()];
         let position = pushed(&model, seed, push * overlap);
-        let (here, _) = balance(&model, &position, &all);
+        let (here, _) = between(&model, &position, &all);
         let step = 1e-5 * overlap;
         for i in 0..model.len() {
             for axis in 0..3 {
                 let energy = |sign: f64| {
                     let mut moved = position.clone();
                     moved[i][axis] += sign * step;
-                    balance(&model, &moved, &all).0.sums.energy
+                    between(&model, &moved, &all).0.sums.energy
                 };
                 let slope = (energy(1.0) - energy(-1.0)) / (2.0 * step);
                 // P ~ h^1.5 has a bounded second difference: a contact that opens costs 1e-5^1.5.
@@ -145,11 +94,11 @@ proptest! {
         let (overlap, force) = scales(&model);
         let all = vec![true; model.len()];
         let position = pushed(&model, seed, push * overlap);
-        let (here, neighbours) = balance(&model, &position, &all);
-        let d = direction(seed ^ 0xABCD, model.len());
+        let (here, neighbours) = between(&model, &position, &all);
+        let d = vectors(seed ^ 0xABCD, model.len());
         let step = 1e-5 * overlap;
-        let (after, _) = balance(&model, &along(&position, &d, step), &all);
-        let (before, _) = balance(&model, &along(&position, &d, -step), &all);
+        let (after, _) = between(&model, &along(&position, &d, step), &all);
+        let (before, _) = between(&model, &along(&position, &d, -step), &all);
         // Single precision: 6e-8 of each of some ten terms. A contact within a step of opening
         // would be off by 1e-5^0.5; 150 of them and 6 cases do not meet it every time.
         let stiffness = 1.5 * force / overlap;
@@ -176,12 +125,12 @@ proptest! {
         let mut carries = vec![true; model.len()];
         let left_out = (seed % model.len() as u64) as usize;
         carries[left_out] = false;
-        let (without, neighbours) = balance(&model, &position, &carries);
+        let (without, neighbours) = between(&model, &position, &carries);
         prop_assert_eq!(without.gradient[left_out], Vec3::zeros());
         // Wherever it goes, the others feel nothing.
         let mut moved = position.clone();
         moved[left_out] += Vec3::new(overlap, -overlap, overlap);
-        let (after, _) = balance(&model, &moved, &carries);
+        let (after, _) = between(&model, &moved, &carries);
         prop_assert_eq!(&without.gradient, &after.gradient);
         prop_assert_eq!(without.sums.energy, after.sums.energy);
         let mut d = vec![Vec3::zeros(); model.len()];
@@ -210,14 +159,14 @@ fn derivatives_hold_across_a_contact_that_opens_and_closes() {
     for gap in [1e-6, 1e-8, 1e-12, 0.0, -1e-12, -1e-10, -1e-8, -1e-7, -1e-6] {
         let (model, position) = approaching(gap);
         let all = [true; 2];
-        let (here, neighbours) = balance(&model, &position, &all);
+        let (here, neighbours) = between(&model, &position, &all);
         // The difference reaches over the opening when the gap is smaller than the step.
         let step = 1e-9;
         for i in 0..2 {
             let moved = |sign: f64| {
                 let mut moved = position.clone();
                 moved[i].x += sign * step;
-                balance(&model, &moved, &all).0
+                between(&model, &moved, &all).0
             };
             let (after, before) = (moved(1.0), moved(-1.0));
             let slope = (after.sums.energy - before.sums.energy) / (2.0 * step);

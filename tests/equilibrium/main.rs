@@ -9,6 +9,8 @@
 mod agreement;
 mod closed_forms;
 mod cylinder;
+mod cylinder_contacts;
+mod cylinder_refused;
 mod derivatives;
 #[path = "../../benches/stability/detection.rs"]
 mod detection;
@@ -22,6 +24,7 @@ mod hard;
 mod hysteresis;
 #[path = "../common/increments.rs"]
 mod increments;
+mod membrane_curvature;
 mod membranes;
 mod methods;
 #[path = "../common/packs.rs"]
@@ -31,6 +34,7 @@ mod pairs;
 mod peer_pack;
 #[path = "../../benches/stability/reference.rs"]
 mod reference;
+mod slopes;
 mod stability;
 mod tangent;
 mod tangent_twin;

@@ -4,28 +4,29 @@ use std::f64::consts::PI;
 use std::sync::OnceLock;
 
 use graintwin::Vec3;
-use graintwin::command::{Ask, Command, Disposition};
+use graintwin::command::Disposition;
 use graintwin::model::Model;
 use graintwin::pack::Pack;
 use graintwin::pack::generate::generate;
 use graintwin::relax::Workspace;
-use graintwin::report::{Demand, Measures, PackState, Report};
+use graintwin::report::{Measures, PackState};
 use graintwin::scene::{self, Cell, Cylinder, Generate, Scene, Solver, Walls};
 use graintwin::state::State;
-use graintwin::wall::{self, Bounds, WallTarget};
+use graintwin::wall::{Bounds, WallTarget};
 
-use crate::packs::{GLASS, Rig, absolute, bead, bits, close, recipe, state};
+use crate::packs::{GLASS, Rig, bead, bits, close, recipe, state};
+use crate::slopes::{along, vectors};
 
 const KEEP: WallTarget = WallTarget::Keep;
-const R: f64 = 1e-4;
-const ROUGH: &str = "contact: {friction: {coefficient: 0.4}}";
+pub(crate) const R: f64 = 1e-4;
+pub(crate) const ROUGH: &str = "contact: {friction: {coefficient: 0.4}}";
 
 fn scene_of(walls: &str, rest: &str) -> Scene {
     let text = format!("pack: {{file: none.csv}}\nwalls: {{{walls}}}\n{rest}\n");
     scene::parse(&text, "membranes.yaml".as_ref()).unwrap()
 }
 
-fn round_scene(pressure: f64, rest: &str) -> Scene {
+pub(crate) fn round_scene(pressure: f64, rest: &str) -> Scene {
     let walls = format!(
         "cell: {{cylinder: {{}}}}, friction: 0.0, membranes: [x_max], \
          targets: {{x_max: {{stress: {pressure:e}}}}}"
@@ -33,7 +34,13 @@ fn round_scene(pressure: f64, rest: &str) -> Scene {
     scene_of(&walls, &format!("solver: {{tolerance: 1.0e-10}}\n{rest}"))
 }
 
-fn round() -> &'static Pack {
+/// Membranes on two faces of a box.
+pub(crate) fn flat(pressure: f64) -> Scene {
+    let targets = ["y_min", "y_max"].map(|side| format!("{side}: {{stress: {pressure:e}}}"));
+    scene_of(&format!("membranes: [y_min, y_max], targets: {{{}}}", targets.join(", ")), ROUGH)
+}
+
+pub(crate) fn round() -> &'static Pack {
     static PACK: OnceLock<Pack> = OnceLock::new();
     PACK.get_or_init(|| {
         let walls = Walls { cell: Cell::Cylinder(Cylinder::default()), ..Walls::default() };
@@ -44,32 +51,8 @@ fn round() -> &'static Pack {
     })
 }
 
-fn ask(rig: &mut Rig, targets: [WallTarget; wall::COUNT]) -> Report {
-    rig.sequence += 1;
-    let ask = Ask::Targets(targets);
-    rig.twin.apply(&Command { ask, ..absolute(rig.sequence, [0.0; 6]) }, Demand::ALL)
-}
-
-fn go(rig: &mut Rig, targets: [WallTarget; wall::COUNT]) -> Measures {
-    let report = ask(rig, targets);
-    assert_eq!(report.disposition, Disposition::Applied, "{}", report.text);
-    report.measures.unwrap()
-}
-
-/// Numbers between -1 and 1.
-fn vectors(seed: u64, n: usize) -> Vec<Vec3> {
-    let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
-    let mut next = || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    };
-    (0..n).map(|_| Vec3::new(next(), next(), next())).collect()
-}
-
 /// A cubic lattice of beads whose contacts overlap a little.
-fn lattice(count: [usize; 3]) -> Pack {
+pub(crate) fn lattice(count: [usize; 3]) -> Pack {
     let pitch = 1.9995 * R;
     let [nx, ny, nz] = count;
     let grains = (0..nx * ny * nz).map(|k| {
@@ -80,7 +63,7 @@ fn lattice(count: [usize; 3]) -> Pack {
     Pack { bounds, grains: grains.collect(), history: None }
 }
 
-fn flat_scene(membranes: bool, pressure: f64) -> Scene {
+pub(crate) fn flat_scene(membranes: bool, pressure: f64) -> Scene {
     let what = if membranes { "membranes: [x_min, x_max], " } else { "" };
     let walls = format!(
         "friction: 0.0, {what}targets: {{x_min: {{stress: {pressure:e}}}, \
@@ -98,11 +81,7 @@ fn the_pull_of_a_membrane_is_the_slope_of_its_potential() {
         pack.grains.iter_mut().for_each(|grain| grain.friction = 0.4);
         pack
     };
-    let flat = scene_of(
-        "membranes: [y_min, y_max], targets: {y_min: {stress: 2.0e6}, y_max: {stress: 2.0e6}}",
-        ROUGH,
-    );
-    for (scene, pack) in [(round_scene(2e6, ROUGH), round()), (flat, &box_pack)] {
+    for (scene, pack) in [(round_scene(2e6, ROUGH), round()), (flat(2e6), &box_pack)] {
         let model = Model::new(pack, &scene);
         let mut state = State::new(&model);
         let mut work = Workspace::new(&model);
@@ -130,8 +109,7 @@ fn the_pull_of_a_membrane_is_the_slope_of_its_potential() {
         for seed in 0..5 {
             let d = vectors(seed + 1, n);
             let mut difference = |step: f64| {
-                let moved = |step: f64| start.iter().zip(&d).map(|(at, d)| at + d * step).collect();
-                0.5 * (potential(moved(step)) - potential(moved(-step)))
+                0.5 * (potential(along(&start, &d, step)) - potential(along(&start, &d, -step)))
             };
             // p V is a polynomial of the third degree: two differences are exact.
             let slope = (8.0 * difference(step) - difference(2.0 * step)) / (6.0 * step);
@@ -180,7 +158,7 @@ fn on_a_straight_face_a_membrane_is_a_wall_under_the_same_stress() {
         let (mut rig, report) = Rig::start(&flat_scene(membranes, 1e6), &pack);
         assert_eq!(report.disposition, Disposition::Applied, "{}", report.text);
         let down = WallTarget::Displacement(2e-9);
-        go(&mut rig, [KEEP, KEEP, KEEP, KEEP, down, down])
+        rig.take([KEEP, KEEP, KEEP, KEEP, down, down])
     };
     let (with, without) = (run(true), run(false));
     let [one, other] = [&with, &without].map(|m| &m.grains.as_ref().unwrap().position);
@@ -208,7 +186,7 @@ fn sheared(pack: &Pack, steps: u32, step: f64) -> Vec<Measures> {
     let mut all = vec![report.measures.unwrap()];
     for k in 1..=steps {
         let down = WallTarget::Displacement(step * f64::from(k));
-        all.push(go(&mut rig, [KEEP, KEEP, KEEP, KEEP, down, down]));
+        all.push(rig.take([KEEP, KEEP, KEEP, KEEP, down, down]));
     }
     all
 }
@@ -258,18 +236,24 @@ fn the_same_bits_on_any_number_of_threads() {
     let run = |threads: usize| {
         let (mut rig, _) = Rig::start_on(&round_scene(2e6, ROUGH), round(), threads);
         let down = WallTarget::Displacement(3e-8);
-        go(&mut rig, [KEEP, WallTarget::Stress(2.1e6), KEEP, KEEP, down, down]);
+        rig.take([KEEP, WallTarget::Stress(2.1e6), KEEP, KEEP, down, down]);
         bits(&rig.twin.pack())
     };
     let one = run(1);
     assert!([2, 3].iter().all(|&threads| run(threads) == one));
 }
 
-#[test]
-fn a_ring_of_spheres_carries_its_membrane() {
-    const COUNT: usize = 12;
-    let half = (PI / COUNT as f64).sin();
-    let at = 0.9998 * R / half;
+/// Spheres in a ring.
+const COUNT: usize = 12;
+
+/// sin(π/n) of a ring.
+fn half() -> f64 {
+    (PI / COUNT as f64).sin()
+}
+
+/// A ring between an inner wall and a membrane.
+pub(crate) fn ring(rest: &str) -> (Pack, Scene) {
+    let at = 0.9998 * R / half();
     let grains = (0..COUNT).map(|k| {
         let (sin, cos) = (2.0 * PI * k as f64 / COUNT as f64).sin_cos();
         bead([at * cos, at * sin, 0.0], R)
@@ -285,7 +269,15 @@ fn a_ring_of_spheres_carries_its_membrane() {
         "cell: {{cylinder: {{inner: {:e}}}}}, membranes: [x_max], targets: {{x_max: {{stress: 1.0e6}}}}",
         at - 1.0002 * R
     );
-    let (_, report) = Rig::start(&scene_of(&walls, "solver: {tolerance: 1.0e-11}"), &pack);
+    (pack, scene_of(&walls, &format!("solver: {{tolerance: 1.0e-11}}\n{rest}")))
+}
+
+#[test]
+fn a_ring_of_spheres_carries_its_membrane() {
+    let (pack, scene) = ring("");
+    let half = half();
+    let [_, _, height] = pack.bounds.sides();
+    let (_, report) = Rig::start(&scene, &pack);
     assert_eq!(report.disposition, Disposition::Applied, "{}", report.text);
     let measures = report.measures.unwrap();
     let network = measures.network.as_ref().unwrap();
@@ -295,7 +287,7 @@ fn a_ring_of_spheres_carries_its_membrane() {
     for place in &measures.grains.as_ref().unwrap().position {
         // The pressure on the halves of the faces beside a grain.
         let distance = place[0].hypot(place[1]);
-        let face = 2.0 * distance * half * 2.0 * max[2];
+        let face = 2.0 * distance * half * height;
         let out = 1e6 * face * (PI / COUNT as f64).cos();
         close("f", 2.0 * half * force + wall, out, 1e-8);
     }
@@ -305,7 +297,7 @@ fn a_ring_of_spheres_carries_its_membrane() {
 fn what_is_no_order_for_a_membrane_is_refused() {
     let (mut rig, _) = Rig::start(&round_scene(2e6, ROUGH), round());
     for target in [WallTarget::Force(1.0), WallTarget::Displacement(1e-7)] {
-        let report = ask(&mut rig, [KEEP, target, KEEP, KEEP, KEEP, KEEP]);
+        let report = rig.aim([KEEP, target, KEEP, KEEP, KEEP, KEEP]);
         assert_eq!(report.disposition, Disposition::Invalid);
         assert!(report.text.contains("x_max is a membrane"), "{}", report.text);
     }

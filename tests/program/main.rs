@@ -12,6 +12,7 @@ mod cli;
 #[path = "../common/packs.rs"]
 mod packs;
 mod pictures;
+mod pictures_round;
 mod plot;
 mod plot_values;
 #[cfg(feature = "mcap")]

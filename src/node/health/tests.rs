@@ -31,6 +31,7 @@ fn served(disposition: Disposition, iterations: Option<u32>) -> Served {
         cracks: None,
         rearrangements: Vec::new(),
         snapshots: Vec::new(),
+        surfaces: Vec::new(),
     });
     let report = Report {
         stamp: Stamp::default(),

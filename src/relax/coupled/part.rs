@@ -6,6 +6,7 @@ use super::joint::Joint;
 use super::list::{List, Lists};
 use crate::Vec3;
 use crate::heap;
+use crate::relax::curvature::{Curvature, Pairs};
 use crate::relax::lanes::{self, Arithmetic, Four, Kernel, LANE_ROWS, Lanes, dispatch};
 use crate::relax::split::Split;
 
@@ -16,8 +17,10 @@ pub(super) struct Part {
     grain: Vec<u32>,
     /// Its contacts by rows.
     pub(super) list: List,
-    /// The blocks that contacts with walls make, in the order of the rows.
+    /// The blocks that contacts with walls and membranes make.
     walls: Vec<(u32, Block6)>,
+    /// Coupled grains that need not touch.
+    pairs: Pairs,
     /// Sum of P/r of each row, also of the separator.
     pub(super) bending: Vec<f32>,
     /// Diagonal blocks without shift, also of the separator.
@@ -43,6 +46,7 @@ impl Part {
         heap::bytes(&self.grain)
             + self.list.heap_bytes()
             + heap::bytes(&self.walls)
+            + self.pairs.heap_bytes()
             + heap::bytes(&self.bending)
             + heap::bytes(&self.diagonal)
             + heap::bytes(&self.inverse)
@@ -97,6 +101,13 @@ impl Part {
         from.copy(&pattern.source, joints);
         walls.clear();
         from.lists.iter().for_each(|list| take_walls(walls, list, split, parts.len()));
+    }
+
+    /// Takes what part `k`, which this is, has of `curvature`.
+    pub(super) fn take_curvature(&mut self, split: &Split, k: usize, curvature: &Curvature) {
+        self.pairs.take(split, k, curvature);
+        let blocks = curvature.own_of(split, k);
+        self.walls.extend(blocks.map(|(row, u)| (row as u32, Block6 { u, ..Block6::default() })));
     }
 
     /// Sum of P/r over the contacts of `row`, in units of the reference stiffness.
@@ -156,6 +167,8 @@ impl Part {
     /// product ← (H + Σ) direction, but for what other parts add to it.
     pub(super) fn multiply(&mut self) {
         dispatch(Multiply { part: self });
+        let Self { pairs, direction, product, .. } = self;
+        pairs.multiply((direction, |x| &x.u), (product, |y| &mut y.u));
     }
 
     /// `dot` becomes that of direction and product.

@@ -4,6 +4,7 @@ use crate::Vec3;
 use crate::heap;
 use crate::relax::balance::Link;
 use crate::relax::block::Block;
+use crate::relax::curvature::{Curvature, Pairs};
 use crate::relax::lanes::{self, Four, Kernel, LANE_ROWS, Lanes, dispatch};
 use crate::relax::split::{Contacts, Pattern, Split};
 
@@ -29,6 +30,8 @@ pub(super) struct Part {
     pattern: Pattern,
     /// (m, -b) of each contact.
     contact: Vec<Four>,
+    /// Coupled grains that need not touch.
+    pairs: Pairs,
     /// D without shift, also of the separator.
     pub(super) diagonal: Vec<Block>,
     /// Δ, and what it takes from the separator.
@@ -52,6 +55,7 @@ impl Part {
         heap::bytes(&self.grain)
             + self.pattern.heap_bytes()
             + heap::bytes(&self.contact)
+            + self.pairs.heap_bytes()
             + heap::bytes(&self.diagonal)
             + heap::bytes(&self.factor)
             + heap::bytes(&self.rows)
@@ -116,6 +120,14 @@ impl Part {
         }
     }
 
+    /// Takes what part `k`, which this is, has of `curvature`.
+    pub(super) fn take_curvature(&mut self, split: &Split, k: usize, curvature: &Curvature) {
+        self.pairs.take(split, k, curvature);
+        for (row, block) in curvature.own_of(split, k) {
+            self.diagonal[row].add(&block);
+        }
+    }
+
     /// Begins a factorisation.
     pub(super) fn begin_factor(&mut self) {
         self.factor.fill(Block::default());
@@ -148,6 +160,12 @@ impl Part {
     /// Direction ← w + `beta` direction, t ← (Δ + Lᵀ)⁻¹ direction and w ← direction - (2Δ - D) t.
     pub(super) fn backward(&mut self, beta: f32) {
         dispatch(Backward { part: self, beta });
+    }
+
+    /// w ← w + C t for what couples grains that do not touch, between the sweeps.
+    pub(super) fn bend(&mut self) {
+        let Self { pairs, t, w, .. } = self;
+        pairs.multiply((t, |t| t), (w, |w| w));
     }
 
     /// w ← t + (Δ + L)⁻¹ w; `dot` becomes that of direction and w.

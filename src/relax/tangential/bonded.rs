@@ -5,7 +5,6 @@
 
 use crate::Vec3;
 use crate::contact::cement::effective::Effective;
-use crate::contact::neighbours::wall_gap;
 use crate::contact::{Other, mindlin};
 use crate::heap;
 use crate::model::Model;
@@ -15,7 +14,7 @@ use crate::relax::tangential::held::{Held, Pair, Pose};
 use crate::relax::tangential::{Pull, Reference, Traction};
 use crate::scene::{Cement, Law};
 use crate::state::{Bond, Remembered};
-use crate::wall::{self, Bounds};
+use crate::wall::{self, Facing, Room};
 
 /// Least effective radius in shear and torsion over that at the deposition.
 const FAINT_RADIUS: f64 = 1e-6;
@@ -42,7 +41,7 @@ impl Held {
         (place, bond): (usize, &Bond),
         carried: Remembered,
         position: &[Vec3],
-        bounds: &Bounds,
+        bounds: &Room,
     ) -> Option<(Self, Bonded)> {
         let friction = model.friction.as_ref()?;
         let pair = Pair::of(model, friction, bond.first, bond.second);
@@ -148,10 +147,12 @@ impl Reference {
             }
             Other::Wall(w) => {
                 let w = usize::from(w);
-                let axis = wall::axis(w);
-                let force = pull.force[axis] * wall::inward(w);
+                let Facing { gap, normal, .. } = pose.bounds.facing(&at, w);
+                let force = pull.force.dot(&normal);
                 walls[w] += force;
-                sums.virial[axis] += force * wall_gap(&at, w, pose.bounds);
+                for axis in 0..3 {
+                    sums.virial[axis] += force * gap * normal[axis] * normal[axis];
+                }
             }
         }
         sums.force += pull.cement;

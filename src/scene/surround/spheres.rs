@@ -1,8 +1,9 @@
 //! What a scene of spheres cannot have of it, and what a cylinder cannot have of a scene.
 
 use super::{Cell, check_pressed, check_steps};
+use crate::plane::cell::SQUARE;
 use crate::scene::check::{Field, Problems};
-use crate::scene::{Axis, Method, Normal, Scene, Step, Targets, WallName, prepare};
+use crate::scene::{Axis, Method, Normal, Scene, Solution, Step, Targets, WallName, prepare};
 use crate::wall::{self, WallTarget};
 
 pub(super) fn check(scene: &Scene, at: &Field, problems: &mut Problems) {
@@ -36,8 +37,12 @@ pub(super) fn check(scene: &Scene, at: &Field, problems: &mut Problems) {
     check_steps(&scene.load_path.0, &root.key("load_path"), problems);
     step_targets(&scene.load_path.0, has_inner, &root.key("load_path"), problems);
     let pack = root.key("pack");
-    if scene.pack.cut.is_some() {
-        problems.add(pack.key("cut"), "a cut is a box; allowed with a cylinder: no such key");
+    if let Some(cut) = &scene.pack.cut {
+        let [x, y, _] = cut.sides();
+        if (x - y).abs() > SQUARE * x {
+            let text = "the square around a cylinder; allowed: as wide along y as along x";
+            problems.add(pack.key("cut"), text);
+        }
     }
     if let Some(spec) = &scene.pack.generate
         && spec.aspect[0] != spec.aspect[1]
@@ -87,15 +92,21 @@ fn check_membranes(scene: &Scene, at: &Field, problems: &mut Problems) {
     }
 }
 
-/// Keys beside the walls that neither cylinders nor membranes go with.
+/// What neither cylinders nor membranes go with.
+///
+/// Tangent moduli are answers to the strains of a box along its axes, which a round wall cannot follow and a
+/// membrane does not prescribe. Hydrate that dissociates lets the walls of a box give way by a pore pressure.
 fn check_rest(scene: &Scene, problems: &mut Problems) {
     let root = Field::root();
     let mut not = |field: Field, text: &str| problems.add(field, text);
-    if matches!(scene.contact.normal, Normal::Cement(_)) {
-        not(
-            root.key("contact").key("normal"),
-            "cement is between plane walls only; allowed: hertz",
-        );
+    if let Normal::Cement(cement) = &scene.contact.normal {
+        let at = root.key("contact").key("normal").key("cement");
+        if cement.solution == Solution::TwoStep {
+            not(at.key("solution"), "is for plane walls; allowed: nonlinear");
+        }
+        if cement.saturation > 0.0 {
+            not(at.key("saturation"), "dissociates between plane walls only; allowed: 0");
+        }
     }
     if scene.outputs.moduli.takes_tangent() {
         let text = "tangent moduli are those of a box of plane walls; allowed: secant, none";

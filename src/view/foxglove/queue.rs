@@ -174,6 +174,7 @@ fn light(served: &Served) -> Served {
             tangent,
             network,
             grains,
+            surfaces: Vec::new(),
             motion,
             fabric,
             hydrate,

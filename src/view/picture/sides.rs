@@ -28,16 +28,11 @@ pub(super) fn sides(canvas: &Canvas, cell: &Cell, walls: &WallForces) -> Vec<Mar
 }
 
 fn first(canvas: &Canvas, cell: &Cell, walls: &WallForces, side: usize) -> Marker {
-    let nothing = || {
-        let mut marker = canvas.marker("walls", side, Marker::CUBE);
-        marker.action = Marker::DELETE;
-        marker
-    };
     match (&cell.sides[side], cell.radii(&walls.displacement)) {
-        (Side::Open, _) => nothing(),
+        (Side::Open, _) => walls::nothing(canvas, side),
         (Side::Points(at, radius), _) => match at.first() {
             Some(&along) => point(canvas, walls, (side, side), along, *radius),
-            None => nothing(),
+            None => walls::nothing(canvas, side),
         },
         (_, Some(radii)) => circle(canvas, cell, walls, (side, radii[side.min(1)])),
         (_, None) => walls::plate(canvas, walls, side),

@@ -1,4 +1,4 @@
-//! The six walls as thin plates that let the pack be seen.
+//! Walls as thin plates that let the pack be seen.
 
 use super::Canvas;
 use crate::msg::picture::{ColorRGBA, Marker};
@@ -10,13 +10,14 @@ const THICKNESS: f64 = 0.005;
 
 pub(super) const COLOR: ColorRGBA = ColorRGBA { r: 0.6, g: 0.7, b: 0.8, a: 0.12 };
 
-/// Each plate stands outside of the box, its inner face where the wall is, in the order of
-/// [`wall::NAMES`].
-pub(super) fn walls(canvas: &Canvas, walls: &WallForces) -> Vec<Marker> {
-    (0..wall::COUNT).map(|wall| plate(canvas, walls, wall)).collect()
+/// Nothing in the place of wall `wall`.
+pub(super) fn nothing(canvas: &Canvas, wall: usize) -> Marker {
+    let mut marker = canvas.marker("walls", wall, Marker::CUBE);
+    marker.action = Marker::DELETE;
+    marker
 }
 
-/// The plate of one wall.
+/// The plate of one wall, outside of the box, its inner face where the wall is.
 pub(super) fn plate(canvas: &Canvas, walls: &WallForces, wall: usize) -> Marker {
     let (sides, centre) = shape(walls);
     let thickness = thickness(walls);
