@@ -201,7 +201,7 @@ impl<'a> Place<'a> {
                 break;
             }
             let mut more = left.clone();
-            slope.matrix.solve(&mut more);
+            slope.matrix.solve(std::slice::from_mut(&mut more));
             glue::clear(glued, &mut more);
             let before = longest(&left);
             let mut trial = way.clone();
