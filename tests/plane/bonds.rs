@@ -100,37 +100,40 @@ fn both_forms_of_the_strength_are_those_of_the_radii() {
 
 #[test]
 fn a_sandstone_cracks_across_its_sides_and_no_bond_is_left_overloaded() {
-    let pack = {
-        let smooth = scene("{normal: {linear: {stiffness: 1.0e6}}}", "");
-        let (mut rig, _) = Rig::new(&smooth, &loose(7, 14, 7, 0.0));
-        rig.stress([1e6; 2]);
-        let mut pack = rig.twin.pack();
-        pack.grains.iter_mut().for_each(|grain| grain.friction = 0.6);
-        pack
-    };
-    let (mut rig, report) = Rig::new(&sandstone("", 0.6), &pack);
-    let start = report.measures.unwrap();
-    let bonded = start.cracks.unwrap().intact;
-    assert_eq!(bonded as usize, start.bonds.unwrap().first.len());
-    let height = pack.bounds.sides()[1];
     let (mut pulled, mut flat, mut all) = (0, 0, 0);
-    let mut peak = 0.0_f64;
-    for k in 1..=150 {
-        let measures = rig.biaxial(1e6, 0.5e-4 * f64::from(k) * height);
-        peak = peak.max(measures.state.unwrap().stress_walls[4]);
-        let bonds = measures.bonds.unwrap();
-        assert!(bonds.strength_use.iter().all(|&used| used <= 1.0));
-        for crack in measures.cracks.unwrap().list {
-            assert!(crack.overload > 1.0);
-            all += 1;
-            pulled += u32::from(crack.normal_force < 0.0);
-            flat += u32::from(crack.normal[0].abs() > crack.normal[1].abs());
+    for seed in 7..12 {
+        let pack = {
+            let smooth = scene("{normal: {linear: {stiffness: 1.0e6}}}", "");
+            let (mut rig, _) = Rig::new(&smooth, &loose(7, 14, seed, 0.0));
+            rig.stress([1e6; 2]);
+            let mut pack = rig.twin.pack();
+            pack.grains.iter_mut().for_each(|grain| grain.friction = 0.6);
+            pack
+        };
+        let (mut rig, report) = Rig::new(&sandstone("", 0.6), &pack);
+        let start = report.measures.unwrap();
+        let bonded = start.cracks.unwrap().intact;
+        assert_eq!(bonded as usize, start.bonds.unwrap().first.len());
+        let height = pack.bounds.sides()[1];
+        let (before, mut peak) = (all, 0.0_f64);
+        for k in 1..=150 {
+            let measures = rig.biaxial(1e6, 0.5e-4 * f64::from(k) * height);
+            peak = peak.max(measures.state.unwrap().stress_walls[4]);
+            let bonds = measures.bonds.unwrap();
+            assert!(bonds.strength_use.iter().all(|&used| used <= 1.0));
+            for crack in measures.cracks.unwrap().list {
+                assert!(crack.overload > 1.0);
+                all += 1;
+                pulled += u32::from(crack.normal_force < 0.0);
+                flat += u32::from(crack.normal[0].abs() > crack.normal[1].abs());
+            }
+            if all - before > bonded / 8 {
+                break;
+            }
         }
-        if all > bonded / 8 {
-            break;
-        }
+        assert!(all > before && peak > 10e6, "{seed}: {peak:e}");
     }
-    // B 4.2.4: what breaks are lateral contacts, while they are pulled.
-    assert!(all > 10 && 10 * pulled >= 9 * all && 10 * flat >= 9 * all, "{pulled} {flat} of {all}");
-    assert!(peak > 10e6, "{peak:e}");
+    // B 4.2.4: what breaks are lateral contacts, while they are pulled. Of the bonds as they are half would
+    // be lateral, and none is pulled.
+    assert!(all > 30 && 20 * pulled >= 17 * all && 4 * flat >= 3 * all, "{pulled} {flat} of {all}");
 }

@@ -13,8 +13,8 @@ fn sweeping(sweeps: u32) -> Scene {
 }
 
 /// The pack strained by `increments` of [`STEP`] along y, with 1 bar on the sides.
-fn pressed(scene: &Scene, increments: u32) -> PackState {
-    let pack = dense(8, 16, 3, 1e5, 0.6);
+fn pressed(scene: &Scene, seed: u64, increments: u32) -> PackState {
+    let pack = dense(8, 16, seed, 1e5, 0.6);
     let height = pack.bounds.sides()[1];
     let (mut rig, report) = Rig::new(scene, &pack);
     let mut state = report.measures.unwrap().state.unwrap();
@@ -27,8 +27,8 @@ fn pressed(scene: &Scene, increments: u32) -> PackState {
 #[test]
 fn many_sweeps_end_in_the_equilibrium() {
     let equilibrium = scene("{friction: {coefficient: 0.6, update: current}}", "");
-    let here = pressed(&equilibrium, 3).stress_walls;
-    let state = pressed(&sweeping(20_000), 3);
+    let here = pressed(&equilibrium, 3, 3).stress_walls;
+    let state = pressed(&sweeping(20_000), 3, 3);
     assert!(state.residual < 1e-9, "{}", state.residual);
     for (there, here) in [0, 4].map(|k| (state.stress_walls[k], here[k])) {
         assert!((there / here - 1.0).abs() < 1e-4, "{there} {here}");
@@ -38,19 +38,20 @@ fn many_sweeps_end_in_the_equilibrium() {
 #[test]
 fn few_sweeps_leave_the_platens_too_far_ahead() {
     let equilibrium = scene("{friction: {coefficient: 0.6, update: current}}", "");
-    let here = pressed(&equilibrium, 20).stress_walls[4];
-    let mut last = f64::INFINITY;
-    for sweeps in [5, 20, 80] {
-        let state = pressed(&sweeping(sweeps), 20);
-        assert_eq!(state.iterations, sweeps);
+    for seed in [3, 4, 5] {
+        let here = pressed(&equilibrium, seed, 20).stress_walls[4];
+        let excess = [5, 20, 80].map(|sweeps| {
+            let state = pressed(&sweeping(sweeps), seed, 20);
+            assert_eq!(state.iterations, sweeps);
+            assert!(state.residual > 1e-8, "{sweeps} {}", state.residual);
+            state.stress_walls[4] / here - 1.0
+        });
         // The grains inside have not heard of the walls yet: stress is too high, the less so the more
-        // sweeps there are.
-        assert!(state.residual > 1e-8, "{sweeps} {}", state.residual);
-        let excess = state.stress_walls[4] / here - 1.0;
-        assert!(0.0 < excess && excess < 0.7 * last, "{sweeps} {excess} {last}");
-        last = excess;
+        // sweeps there are. Slip on other ways leaves a scatter of some thousandths.
+        let [few, some, many] = excess;
+        assert!(0.02 < few && 0.0 < some && some < 0.2 * few, "{excess:?}");
+        assert!(many.abs() < some, "{excess:?}");
     }
-    assert!(last < 0.01, "{last}");
 }
 
 #[test]

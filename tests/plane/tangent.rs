@@ -245,7 +245,8 @@ fn the_work_of_glued_walls_has_it_as_its_second_derivative() {
         let scene = asking("friction: .inf, glue: true", contact, "");
         let pack = dense(8, 8, 3, 1e5, 0.3);
         let way = Way { scene: &scene, pack: &pack, path: vec![Motion::zeros()] };
-        let tilt = 1e-6;
+        // Rounding of the energies leaves some 1e-5 of their difference at a tilt of 3e-6.
+        let tilt = 3e-5;
         let works = [-tilt, tilt].map(|tilt| {
             let (before, after) = way.went(&Motion::from([0.0, 0.0, 0.0, 0.0, tilt]));
             assert_eq!(before.state.unwrap().dissipated_energy, 0.0);
@@ -253,7 +254,7 @@ fn the_work_of_glued_walls_has_it_as_its_second_derivative() {
         });
         let modulus = works.iter().sum::<f64>() / (tilt * tilt) / pack.bounds.volume();
         let found = way.tangent().stands.relaxed[8];
-        assert!((modulus / found - 1.0).abs() < 1e-4, "{modulus:e} {found:e}");
+        assert!((modulus / found - 1.0).abs() < 1e-6, "{modulus:e} {found:e}");
     }
 }
 
