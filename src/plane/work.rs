@@ -186,8 +186,7 @@ impl Workspace {
             let Other::Grain(j) = joint.second else { return true };
             let (i, j) = (joint.first as usize, j as usize);
             let apart = (pose.at[i] - pose.at[j]).norm();
-            let touches = joint.bonded || apart < (1.0 + NEARLY) * joint.reach;
-            touches
+            joint.bonded || apart < (1.0 + NEARLY) * joint.reach
         }));
         positions.clear();
         positions.extend(pose.at.iter().map(|at| [at.x, at.y]));

@@ -285,7 +285,7 @@ fn energy_is_stored_or_dissipated() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(6))]
+    #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
     #[test]
     fn mirrored_packs_answer_mirrored(seed in 0_u64..1000) {
         let pack = dense(4, 5, seed, 1e5, 0.5);
