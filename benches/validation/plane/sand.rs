@@ -22,8 +22,6 @@ const BOOK: [[f64; 5]; 4] = [
 const STRAIN: f64 = 4e-2;
 /// Axial strain from which a test counts as failing.
 const FAILING: f64 = 2e-2;
-/// Stretch of axial strain over which ψ is taken.
-const STRETCH: f64 = 5e-3;
 /// Stress at which the compression tests turn \[Pa\].
 const HIGHEST: f64 = 6e5;
 
@@ -50,7 +48,9 @@ impl Biaxial {
             tail.iter().map(|&place| of(place)).sum::<f64>() / tail.len() as f64
         };
         let begin = record::begin(&deviator);
-        let dilatancy = record::steepest_dilatancy(&course.axial, &course.area, STRETCH);
+        let plastic = record::plastic(&course.axial, &deviator);
+        let dilatancy =
+            plastic.and_then(|places| record::dilatancy(&course.axial, &course.area, places));
         let reference = sand::reference_modulus(SHEAR_MODULUS, POISSON, course.density);
         Self {
             friction: mobilised(peak).to_degrees(),
@@ -58,7 +58,7 @@ impl Biaxial {
             poisson: found(
                 begin.and_then(|places| record::poisson(&course.axial, &course.area, places)),
             ),
-            dilatancy: found(dilatancy.map(|(angle, _)| angle)).to_degrees(),
+            dilatancy: found(dilatancy).to_degrees(),
             young: found(record::secant_50(&course.axial, &deviator)) / 1e6,
             theory: sand::young(reference, 1.5 * pressure) / 1e6,
             contacts: [course.coordination[0], mean(&|place| course.coordination[place])],

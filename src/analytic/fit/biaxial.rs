@@ -25,21 +25,21 @@ impl Test<'_> {
         self.major.iter().zip(self.minor).map(|(major, minor)| major - minor).collect()
     }
 
-    /// E50, ν of the beginning, φ' of the peak and the greatest ψ over any `stretch` of axial strain;
-    /// nothing when the test does not show one of them.
+    /// E50, ν of the beginning, φ' of the peak and ψ of the plastic branch; nothing when the test does not
+    /// show one of them.
     ///
     /// φ' is that of sand, which one test cannot tell from cohesion: for cemented grains put the
     /// strength that [`strength::cohesive`] fits to several in its place.
     #[must_use]
-    pub fn material(&self, stretch: f64) -> Option<Bilinear> {
+    pub fn material(&self) -> Option<Bilinear> {
         let deviator = self.deviator();
         let peak = record::peak(&deviator)?;
         let young = record::secant_50(self.axial_strain, &deviator)?;
         let begin = record::begin(&deviator)?;
         let poisson = record::poisson(self.axial_strain, self.area_strain, begin)?;
         let friction = strength::mobilised(self.major[peak], self.minor[peak])?;
-        let (dilatancy, _) =
-            record::steepest_dilatancy(self.axial_strain, self.area_strain, stretch)?;
+        let plastic = record::plastic(self.axial_strain, &deviator)?;
+        let dilatancy = record::dilatancy(self.axial_strain, self.area_strain, plastic)?;
         let strength = MohrCoulomb { friction, cohesion: 0.0 };
         Some(Bilinear { elastic: Hooke { young, poisson }, strength, dilatancy })
     }

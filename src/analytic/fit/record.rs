@@ -64,18 +64,12 @@ pub fn dilatancy(axial_strain: &[f64], area_strain: &[f64], places: Range<usize>
     flow::dilatancy(1.0, slope - 1.0)
 }
 
-/// Greatest ψ \[rad\] over any stretch that is `width` of axial strain long, and the places of it.
+/// The places of the plastic branch (figure A.5): from where the straight line with E50 would be as high as
+/// the peak of `stress`, to the end. At least two.
 #[must_use]
-pub fn steepest_dilatancy(
-    axial_strain: &[f64],
-    area_strain: &[f64],
-    width: f64,
-) -> Option<(f64, Range<usize>)> {
-    let stretch = |begin: usize| {
-        let far = |strain: &f64| strain - axial_strain[begin] >= width;
-        let end = begin + axial_strain[begin..].iter().position(far)? + 1;
-        Some((dilatancy(axial_strain, area_strain, begin..end)?, begin..end))
-    };
-    let all = (0..axial_strain.len()).filter_map(stretch);
-    all.reduce(|best, one| if one.0 > best.0 { one } else { best })
+pub fn plastic(strain: &[f64], stress: &[f64]) -> Option<Range<usize>> {
+    let young = secant_50(strain, stress)?;
+    let yields = strain[0] + (stress[peak(stress)?] - stress[0]) / young;
+    let first = strain.iter().position(|&strain| strain >= yields)?;
+    (first + 2 <= strain.len()).then_some(first..strain.len())
 }

@@ -19,15 +19,15 @@ use crate::view::scale::Axis;
 use crate::view::unit::Unit;
 use stiffness::Theory;
 
-/// Axial strain over which the dilatancy is taken.
-const STRETCH: f64 = 0.005;
-
 /// The lateral stress of a biaxial test stays within this share of what it is at the end.
 const STEADY: f64 = 0.05;
 
 /// Stress ratio and area against the strain along y, with the bilinear material fitted to them; from
 /// where on the stress along x stays.
 pub(super) fn biaxial(run: &Run) -> Vec<Chart> {
+    if !run.is_plane() {
+        return Vec::new();
+    }
     let states = steady(run);
     let series = |value: fn(&PackState) -> f64| -> Vec<f64> { states.iter().map(value).collect() };
     let minor = series(|state| state.stress_walls[0]);
@@ -46,7 +46,7 @@ pub(super) fn biaxial(run: &Run) -> Vec<Chart> {
         major: &major,
         minor: &minor,
     };
-    let material = test.material(STRETCH);
+    let material = test.material();
     let mut charts = biaxial::charts(&[Drawn { name: "simulated", test, material }]).to_vec();
     match material {
         Some(material) => {
@@ -86,7 +86,7 @@ fn told(predicted: &Theory) -> String {
 /// The states of discs from which on the stress along x stays what it is at the end.
 fn steady(run: &Run) -> &[PackState] {
     let lateral = |state: &PackState| state.stress_walls[0];
-    let end = run.states.last().filter(|_| run.is_plane()).map_or(f64::NAN, lateral);
+    let end = run.states.last().map_or(f64::NAN, lateral);
     let stays = |state: &PackState| (lateral(state) - end).abs() <= STEADY * end;
     let count = run.states.iter().rev().take_while(|state| stays(state)).count();
     &run.states[run.states.len() - count..]

@@ -119,7 +119,7 @@ pub(super) fn chart(run: &Run, test: Option<&Test<'_>>) -> Chart {
 
 /// E50 \[Pa\] of a biaxial test, at the mean stress \[Pa\] where half of the strength is reached.
 fn half(test: &Test<'_>) -> Option<(f64, f64)> {
-    let material = test.material(super::STRETCH)?;
+    let material = test.material()?;
     let minor = *test.minor.last()?;
     let peak = test.major.iter().copied().fold(minor, f64::max);
     Some((minor + 0.25 * (peak - minor), material.elastic.young))
