@@ -109,51 +109,63 @@ pub(crate) fn run(seeds: &[u64]) {
     let loose: Vec<Pack> = seeds.iter().map(|&seed| pack(seed, 0.6, PRESSURES[0])).collect();
     compression(&dense);
     pressures(seeds, &dense);
-    swept(&dense);
     densities(&dense, &loose);
     frictions(&dense);
     rotations(&dense[0]);
 }
 
-/// Tables 3 and 4.
+/// Tables 3 and 4, in equilibrium and as B does them: increments end with so many sweeps (2.3, table 1).
 fn pressures(seeds: &[u64], dense: &[Pack]) {
     println!("\nBiaxial tests on dense sand (B tables 3 and 4):\n");
     println!(
-        "| σ3 [bar] | φ' peak [°] | φ' beyond 2 % [°] | B | ν | B | ψ [°] | B | E50 [MPa] | A.89 [MPa] | B | B, A.89 | contacts a grain | beyond 2 % |"
+        "| σ3 [bar] | sweeps | φ' peak [°] | φ' beyond 2 % [°] | ν | ψ [°] | E50 [MPa] | A.89 [MPa] | contacts a grain | beyond 2 % |"
     );
-    println!(
-        "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |"
-    );
+    println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
     for (pressure, book) in PRESSURES.into_iter().zip(BOOK) {
-        let tests: Vec<Biaxial> = (seeds.iter().zip(dense))
-            .map(|(&seed, at_one)| {
-                let pack = if pressure == PRESSURES[0] {
-                    at_one.clone()
-                } else {
-                    pack(seed, 0.0, pressure)
-                };
-                Biaxial::of(&biaxial(&pack, pressure, "0.6", "free", STRAIN), pressure)
-            })
-            .collect();
-        let all = |of: fn(&Biaxial) -> f64, digits| spread(tests.iter().map(of), digits);
+        let packs: Vec<Pack> = match pressure == PRESSURES[0] {
+            true => dense.to_vec(),
+            false => seeds.iter().map(|&seed| pack(seed, 0.0, pressure)).collect(),
+        };
+        let of = |course: &Course| Biaxial::of(course, pressure);
+        let tests: Vec<Biaxial> =
+            packs.iter().map(|pack| of(&biaxial(pack, pressure, "0.6", "free", STRAIN))).collect();
+        pressed(pressure, "until equilibrium", &tests);
+        let sweeps: &[u32] = if pressure == PRESSURES[0] { &[50, 20] } else { &[20] };
+        for sweeps in sweeps {
+            let tests: Vec<Biaxial> =
+                packs.iter().map(|pack| of(&swept(pack, pressure, *sweeps))).collect();
+            pressed(pressure, &sweeps.to_string(), &tests);
+        }
+        let [friction, poisson, dilatancy, young, theory] = book;
         println!(
-            "| {:.0} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |",
-            pressure / 1e5,
-            all(|t| t.friction, 1),
-            all(|t| t.failing, 1),
-            book[0],
-            all(|t| t.poisson, 2),
-            book[1],
-            all(|t| t.dilatancy, 1),
-            book[2],
-            all(|t| t.young, 1),
-            all(|t| t.theory, 1),
-            book[3],
-            book[4],
-            all(|t| t.contacts[0], 2),
-            all(|t| t.contacts[1], 2),
+            "| {:.0} | B, 20 | {friction} | | {poisson} | {dilatancy} | {young} | {theory} | | |",
+            pressure / 1e5
         );
     }
+}
+
+fn pressed(pressure: f64, sweeps: &str, tests: &[Biaxial]) {
+    let all = |of: fn(&Biaxial) -> f64, digits| spread(tests.iter().map(of), digits);
+    println!(
+        "| {:.0} | {sweeps} | {} | {} | {} | {} | {} | {} | {} | {} |",
+        pressure / 1e5,
+        all(|t| t.friction, 1),
+        all(|t| t.failing, 1),
+        all(|t| t.poisson, 2),
+        all(|t| t.dilatancy, 1),
+        all(|t| t.young, 1),
+        all(|t| t.theory, 1),
+        all(|t| t.contacts[0], 2),
+        all(|t| t.contacts[1], 2),
+    );
+}
+
+/// A biaxial test of increments that end with so many `sweeps` and no equilibrium.
+fn swept(pack: &Pack, pressure: f64, sweeps: u32) -> Course {
+    let contact = "{friction: {coefficient: 0.6, update: current}}";
+    let solver = format!("method: gauss_seidel, sweeps: {sweeps}");
+    let loaded = scene("  file: none.csv", contact, &solver);
+    Rig::new(&loaded.scene, pack).press(Some(pressure), |course| course.strain() >= STRAIN - 1e-9)
 }
 
 /// Figures 13 and 15.
@@ -201,26 +213,6 @@ fn print(name: &str, tests: &[Biaxial]) {
         all(|t| t.contacts[0], 2),
         all(|t| t.contacts[1], 2),
     );
-}
-
-/// The tests at 1 bar as B does them: increments end with so many sweeps and no equilibrium (2.3).
-fn swept(dense: &[Pack]) {
-    println!("\nSweeps in an increment, dense, σ3 = 1 bar (B table 1 has 20):\n");
-    println!(
-        "| sweeps | φ' peak [°] | φ' beyond 2 % [°] | ψ [°] | E50 [MPa] | contacts a grain | beyond 2 % |"
-    );
-    println!("| --- | --- | --- | --- | --- | --- | --- |");
-    for sweeps in [20, 50] {
-        let contact = "{friction: {coefficient: 0.6, update: current}}";
-        let solver = format!("method: gauss_seidel, sweeps: {sweeps}");
-        let loaded = scene("  file: none.csv", contact, &solver);
-        let test = |pack| {
-            let course = Rig::new(&loaded.scene, pack)
-                .press(Some(PRESSURES[0]), |course| course.strain() >= STRAIN - 1e-9);
-            Biaxial::of(&course, PRESSURES[0])
-        };
-        print(&sweeps.to_string(), &dense.iter().map(test).collect::<Vec<_>>());
-    }
 }
 
 /// Table 6 and the right half of figure 22.

@@ -199,8 +199,14 @@ fn rows(start: &Moment, end: &Moment, axes: usize, frictional: bool) -> Vec<Row>
     add("G, tangent", "GPa", |tangent| tangent.stands.shear * 1e-9);
     add("K, all stick", "GPa", |tangent| tangent.sticks.bulk * 1e-9);
     add("G, all stick", "GPa", |tangent| tangent.sticks.shear * 1e-9);
-    add("P-wave speed, z", "m/s", |tangent| tangent.sticks.p_speed[2]);
-    add("S-wave speed, zx", "m/s", |tangent| tangent.sticks.s_speed[2]);
+    // Along the axis of loading.
+    if end.plane.is_some() {
+        add("P-wave speed, y", "m/s", |tangent| tangent.sticks.p_speed[1]);
+        add("S-wave speed, xy", "m/s", |tangent| tangent.sticks.s_speed[0]);
+    } else {
+        add("P-wave speed, z", "m/s", |tangent| tangent.sticks.p_speed[2]);
+        add("S-wave speed, zx", "m/s", |tangent| tangent.sticks.s_speed[2]);
+    }
     add("isotropy index", "", |tangent| tangent.stands.isotropy_index);
     rows
 }
