@@ -7,13 +7,13 @@ use super::{commit, contacts, crack, dynamic, gauss_seidel, glue, loads, newton}
 use crate::contact::neighbours::Neighbours;
 use crate::model::Model;
 use crate::relax::advance::{
-    Advance, part_of_the_way, remaining_load, standing_target, strain_limit,
+    Advance, ledger, part_of_the_way, remaining_load, standing_target, strain_limit,
 };
 use crate::relax::jump::{Jump, Pose};
 use crate::relax::servo::Drive as Load;
 use crate::relax::{Outcome, Status};
 use crate::scene::{Method, Update};
-use crate::state::{Ledger, State};
+use crate::state::State;
 use crate::wall::{self, Bounds, Setpoint};
 
 /// A command of exactly the largest strain may come out larger by rounding and is not halved.
@@ -460,10 +460,4 @@ fn break_bonds(
         so_far.wall_force_error = newton::wall_force_error(model, state, work, near);
     }
     true
-}
-
-/// Energy that shear stores, and what slip has taken \[J\].
-fn ledger(state: &State) -> f64 {
-    let Ledger { stored, slip, renewal, .. } = state.friction;
-    stored + slip + renewal
 }

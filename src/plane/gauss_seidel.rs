@@ -92,8 +92,7 @@ pub(super) fn relax(
             if floating::rejoin(model, state, work) {
                 continue;
             }
-            let none = work.balance.sums.mean_force() <= work.negligible;
-            outcome.status = if none { Status::Unjammed } else { Status::Converged };
+            outcome.status = work.rest();
             return outcome;
         }
         if sweeps >= most {

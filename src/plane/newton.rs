@@ -155,8 +155,7 @@ pub(super) fn relax(
                 (best, worse) = (f64::INFINITY, 0);
                 continue;
             }
-            let none = work.balance.sums.mean_force() <= work.negligible;
-            outcome.status = if none { Status::Unjammed } else { Status::Converged };
+            outcome.status = work.rest();
             return outcome;
         }
         if outcome.residual <= tolerance && worse > PATIENCE {

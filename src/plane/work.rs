@@ -17,9 +17,9 @@ use crate::contact::neighbours::Neighbours;
 use crate::contact::{Other, hertz};
 use crate::heap;
 use crate::model::Model;
-use crate::relax::Effort;
 use crate::relax::jump::Jump;
 use crate::relax::tangential::Changes;
+use crate::relax::{Effort, Status};
 use crate::state::State;
 use crate::wall::{self, Load};
 
@@ -217,6 +217,12 @@ impl Workspace {
         let Self { reference, bodies, membranes, balance, pose, .. } = self;
         let scenery = Scenery::of(model, setup, state, (reference, bodies, membranes));
         balance.evaluate_and(&scenery, pose, see);
+    }
+
+    /// What the balance taken last is as an equilibrium: one that carries something or one that does not.
+    pub(super) fn rest(&self) -> Status {
+        let none = self.balance.sums.mean_force() <= self.negligible;
+        if none { Status::Unjammed } else { Status::Converged }
     }
 
     /// Takes the sides that are membranes to where the outline of the pose is on average, and the ends

@@ -285,7 +285,7 @@ impl Ends {
 }
 
 /// Energy that shear, torsion and cement store, and what slip has taken \[J\].
-fn ledger(state: &State) -> f64 {
+pub(crate) fn ledger(state: &State) -> f64 {
     let Ledger { stored, slip, renewal, .. } = state.friction;
     stored + slip + renewal
 }
