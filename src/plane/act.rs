@@ -4,7 +4,7 @@ use super::boundary::{Body, Shape};
 use super::law::{self, Answer};
 use super::membrane::Membrane;
 use super::pose::Pose;
-use super::reference::{Joint, Reference};
+use super::reference::{Joint, Near, Reference};
 use super::{Setup, Vec2, glue, left_of};
 use crate::contact::Other;
 use crate::model::Model;
@@ -139,12 +139,23 @@ impl<'a> Scenery<'a> {
     ) -> impl Iterator<Item = (usize, usize, &'b Joint, Act)> {
         let near = self.reference.near.iter().zip(&self.reference.pairs).enumerate();
         near.filter_map(move |(k, (near, joint))| {
-            let [i, j] = near.grains.map(|grain| grain as usize);
-            if (pose.at[i] - pose.at[j]).norm_squared() >= near.square {
-                return None;
-            }
-            self.pair(joint, pose).map(|act| (k, j, joint, act))
+            self.near_pair(near, joint, pose).map(|(j, act)| (k, j, joint, act))
         })
+    }
+
+    /// The other grain and what the pair does, if it is `near` enough.
+    #[inline(always)]
+    pub(super) fn near_pair(
+        &self,
+        near: &Near,
+        joint: &Joint,
+        pose: &Pose,
+    ) -> Option<(usize, Act)> {
+        let [i, j] = near.grains.map(|grain| grain as usize);
+        if (pose.at[i] - pose.at[j]).norm_squared() >= near.square {
+            return None;
+        }
+        self.pair(joint, pose).map(|act| (j, act))
     }
 
     /// What the edge `joint` does; `None` where it does nothing.

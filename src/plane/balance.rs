@@ -64,7 +64,9 @@ impl Balance {
         self.sums = Sums::NONE;
         self.shear_potential = 0.0;
         self.pressure_potential = 0.0;
-        for (_, j, joint, act) in scenery.pairs(pose) {
+        // Not by `pairs`: the loop that all else waits for is not left to the mercy of inlined closures.
+        for (near, joint) in reference.near.iter().zip(&reference.pairs) {
+            let Some((j, act)) = scenery.near_pair(near, joint, pose) else { continue };
             let force = act.force();
             self.add(model, joint.first, -force, -joint.arm[0] * act.shear.force);
             self.add(model, j as u32, force, -joint.arm[1] * act.shear.force);
