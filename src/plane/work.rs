@@ -132,6 +132,8 @@ impl Workspace {
         membrane::wrap(model, state, &self.pose.at, (&mut self.membranes, &mut self.finder));
         boundary::bodies(model, &state.displacement, state.tilt, &mut self.bodies);
         self.reference.begin(model, state, near, &self.bodies, given);
+        // A leg of motion begins in the middle of a relaxation.
+        self.floating.relist();
         self.arrange(near);
         let mean = hertz::modulus(0.5 * model.mean_radius, 2.0 * model.compliance[0]);
         self.negligible = match model.plane.as_ref().map(|setup| setup.law) {
